@@ -149,7 +149,7 @@ pub struct Constraint {
 
 /// What a recording block wants recorded: all its inputs.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Recorded {
+pub struct RecordRequest {
     /// Unit to show them in; SI when absent.
     pub display: Option<String>,
     /// Units of single inputs, by number, which count before that of all.
@@ -236,7 +236,7 @@ pub struct Interface {
     /// Inputs that are such angles, rad, by number.
     pub turning_inputs: Vec<usize>,
     /// The block records its inputs.
-    pub recorded: Option<Recorded>,
+    pub recorded: Option<RecordRequest>,
     /// Outputs that the engine finds.
     pub constraint: Option<Constraint>,
     /// The block passes what comes from conditional subsystems.
@@ -496,7 +496,7 @@ impl Interface {
     }
 
     /// Records all inputs.
-    pub fn records(mut self, recorded: Recorded) -> Self {
+    pub fn records(mut self, recorded: RecordRequest) -> Self {
         self.recorded = Some(recorded);
         self
     }

@@ -37,7 +37,7 @@ pub use defaults::in_diagram;
 pub use given::{Given, ParamUnits};
 pub use interface::{
     Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, JumpPhrase, MOST_MEMORY, Merging,
-    Recorded, Ring, State,
+    RecordRequest, Ring, State,
 };
 pub use parameter::{
     MOST_PORTS, ParamError, ParamValue, VALUE_ENUM, at_least, count, finite, hand_over, not_negative,

@@ -49,10 +49,11 @@ pub trait Parameters: Sized {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Missing(pub &'static str);
 
-/// Reads parameters of these names: `read` takes the value of the one with an index.
+/// Reads parameters of these names: `read` takes the value of the one with an index. All values are read, also behind one
+/// that is refused.
 ///
 /// # Errors
-/// A name that is not known, a value that `read` refuses.
+/// A name that is not known, or the first value that `read` refuses.
 pub fn read_parameters<'de, D: Deserializer<'de>>(
     name: &'static str,
     names: &'static [&'static str],
@@ -156,10 +157,14 @@ impl<'de> Visitor<'de> for Struct<'_, 'de> {
     }
 
     fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<(), M::Error> {
+        // One value that is wrong does not hide another: whoever gives the values keeps what is wrong with each.
+        let mut first = None;
         while let Some(index) = map.next_key_seed(Name(self.names))? {
-            (self.read)(index, &mut Of(&mut map)).map_err(ReadError::raise)?;
+            if let Err(error) = (self.read)(index, &mut Of(&mut map)) {
+                first.get_or_insert(error);
+            }
         }
-        Ok(())
+        first.map_or(Ok(()), |error| Err(error.raise()))
     }
 }
 

@@ -48,7 +48,7 @@ pub struct Instance {
     /// Where it is declared, if it is in a file.
     pub place: Option<Place>,
     /// The blocks that became this one, if it is a physical network.
-    pub parts: Vec<Part>,
+    pub parts: Vec<BlockPart>,
     /// Parameters and functions.
     pub block: Arc<dyn Block>,
     /// Its law as data, if it records one.
@@ -129,7 +129,7 @@ impl Instance {
 
 /// A block of the diagram that is part of another one when it runs.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Part {
+pub struct BlockPart {
     /// Path: `arm/base/joint`.
     pub path: String,
     /// Where it is declared, if it is in a file.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use blocksim_block::{CodePolicy, NoCode};
 use blocksim_diagram::Reader;
-use blocksim_results::{MOST_TEXT, ResultsError, limited_text, write_whole};
+use blocksim_recording::{MOST_TEXT, ResultsError, limited_text, write_whole};
 use blocksim_signal::closest;
 
 use crate::exit::Exit;

@@ -5,7 +5,7 @@ use std::io;
 use blocksim_block::ParamError;
 use blocksim_block::problem::Problem;
 use blocksim_diagram::SourceFile;
-use blocksim_results::ResultsError;
+use blocksim_recording::ResultsError;
 
 use crate::commands::tell_with;
 use crate::exit::Exit;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use blocksim_block::problem::{Problem, Severity};
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::{Compiled, Options, SourceFile, Sources, compile, compile_with, fingerprint};
-use blocksim_results::{FileUsed, limited_bytes};
+use blocksim_recording::{FileUsed, limited_bytes};
 use blocksim_scene::Scene;
 
 use crate::args::model::{Format, ModelArgs};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use blocksim_plot::{Figure, pages};
+use blocksim_picture::{Figure, pages};
 
 use crate::disk::{free, write_file};
 use crate::failure::Failure;

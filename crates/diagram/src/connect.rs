@@ -13,7 +13,7 @@ use crate::problems::{GUESSES, Problems, list, mended, mended_to};
 /// Checks the connections of a diagram and of all diagrams inside it.
 pub(crate) fn check(model: &Model, problems: &mut Problems) {
     let blocks = model.blocks.iter().map(|block| (block.name.as_str(), block)).collect();
-    let mut level = Level::new(model, blocks, problems);
+    let mut level = Wiring::new(model, blocks, problems);
     level.connections();
     level.interface();
     level.unconnected();
@@ -55,7 +55,7 @@ fn way_between(one: Domain, other: Domain) -> &'static str {
     }
 }
 
-struct Level<'a> {
+struct Wiring<'a> {
     model: &'a Model,
     blocks: HashMap<&'a str, &'a ModelBlock>,
     problems: &'a mut Problems,
@@ -75,12 +75,12 @@ struct Level<'a> {
     told: HashSet<&'a str>,
 }
 
-impl<'a> Level<'a> {
+impl<'a> Wiring<'a> {
     fn new(
         model: &'a Model,
         blocks: HashMap<&'a str, &'a ModelBlock>,
         problems: &'a mut Problems,
-    ) -> Level<'a> {
+    ) -> Wiring<'a> {
         let mut seen = HashSet::new();
         let names = model.blocks.iter().map(|block| block.name.as_str());
         let doubled = names.filter(|name| !seen.insert(*name)).collect();
@@ -88,7 +88,7 @@ impl<'a> Level<'a> {
         for reference in model.ast.connections.iter().flat_map(ConnectionAst::references) {
             *named.entry(reference.block.as_str()).or_default() += 1;
         }
-        Level {
+        Wiring {
             model,
             blocks,
             problems,

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use blocksim_block::problem::Problem;
-use blocksim_block::schedule::Part;
+use blocksim_block::schedule::BlockPart;
 use blocksim_block::{Given, ParamUnits};
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
 use blocksim_scene::Scene;
@@ -86,7 +86,10 @@ pub(crate) fn elaborate<'a>(
             kind: "Network".to_owned(),
             title: Vec::new(),
             place: members[0].place.clone(),
-            parts: members.iter().map(|m| Part { path: m.path.clone(), place: m.place.clone() }).collect(),
+            parts: members
+                .iter()
+                .map(|m| BlockPart { path: m.path.clone(), place: m.place.clone() })
+                .collect(),
             output_names: interface.outputs.iter().map(|output| output.name.clone()).collect(),
             block: Arc::new(network),
             units: ParamUnits::default(),

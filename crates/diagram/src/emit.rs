@@ -9,7 +9,7 @@ use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::flatten::Flat;
 use crate::infer::Typed;
 use crate::model::{Content, Model};
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 /// A step of the way from text to schedule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,7 +108,7 @@ fn refer(reference: &Reference) -> String {
 }
 
 fn written(node: &Node) -> String {
-    let members = |members: &[(crate::tree::Name, Node)]| {
+    let members = |members: &[(blocksim_syntax::Name, Node)]| {
         members
             .iter()
             .map(|(name, node)| format!("{}: {}", name.text, written(node)))

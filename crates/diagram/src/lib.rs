@@ -17,7 +17,6 @@ mod emit;
 mod example;
 mod fingerprint;
 mod flatten;
-mod format;
 mod infer;
 mod mentions;
 mod model;
@@ -35,7 +34,6 @@ mod source;
 mod targets;
 #[cfg(test)]
 mod toys;
-mod tree;
 
 use std::path::Path;
 use std::rc::Rc;
@@ -50,19 +48,18 @@ pub use emit::{Stage, Stages};
 pub use example::{example_block, example_interface};
 pub use fingerprint::fingerprint;
 pub use flatten::{Declared, Flat, FlatBlock, Source, origins};
-pub use format::{WIDTH, format};
 pub use infer::Typed;
 pub use mentions::{Meaning, Mention, Mentions, Symbol, mentions};
 pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};
 pub use offers::{SIMULATION, Step, members, words};
 pub use overrides::Replaced;
 pub use parameter::{has_parameter, parameter};
+pub use problems::not_ron;
 pub use rates::off_grid;
 pub use replacing::WrittenUnit;
 pub use resolve::HIERARCHY;
 pub use source::{Reader, SourceFile, Sources, Trees};
 pub use targets::{Found, Origin, Site, Spelling, Target, below, find, spelled, targets};
-pub use tree::{Name, Node, Remedy, Shape, SyntaxError, read as read_tree};
 
 /// What became of a diagram.
 #[derive(Debug, Clone, Default)]

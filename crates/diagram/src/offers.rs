@@ -13,7 +13,7 @@ use crate::de::{Reading, Tagged, Written};
 use crate::scope::Scope;
 use crate::settings;
 use crate::source::{Reader, Sources};
-use crate::tree::{Name, Node, Shape};
+use blocksim_syntax::{Name, Node, Shape};
 
 /// A bracket around a place, from the block inwards.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -52,7 +52,7 @@ fn ask(kind: &str, brackets: &[Step], key: &str) -> Vec<&'static str> {
         };
         inner = (step.key.clone(), node(shape));
     }
-    let sources = Sources::new(&NoFiles);
+    let sources = Sources::new(&WithoutFiles);
     let scope = Rc::new(Scope::new(&sources, None));
     let top = inner.1;
     if kind == SIMULATION {
@@ -72,9 +72,9 @@ fn node(value: Shape) -> Node {
     Node { span: 0..0, value }
 }
 
-struct NoFiles;
+struct WithoutFiles;
 
-impl Reader for NoFiles {
+impl Reader for WithoutFiles {
     fn read(&self, _path: &std::path::Path) -> Result<String, String> {
         Err("there are no files here".to_owned())
     }

@@ -7,7 +7,7 @@ use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::{Value, closest};
 
 use crate::source::Sources;
-use crate::tree::{Node, Shape, read};
+use blocksim_syntax::{Node, Shape, read};
 
 /// What stands in the place of a file for values from the command line.
 pub(crate) const SET: &str = "--set";

@@ -13,7 +13,7 @@ use crate::problems::list;
 use crate::resolve::Resolver;
 use crate::scope::{Scope, read_tree};
 use crate::source::Sources;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 /// Reads a parameter of a diagram as a value of any type: the file at `root` is a diagram that has a parameter
 /// `name`, or itself a set or a list. `overrides` are `target=value` as of `--set`; in a diagram only.
@@ -76,6 +76,6 @@ pub fn has_parameter(sources: &Sources, root: &Path, name: &str) -> bool {
 fn read<T: DeserializeOwned>(reading: Reading, node: &Node) -> Result<T, Problem> {
     T::deserialize(Written::new(&reading, node)).map_err(|noted| {
         let place = blocksim_block::problem::Place { file: reading.file, span: node.span.clone() };
-        reading.problem.take().unwrap_or_else(|| Problem::error("parameter", noted.0).at(&place, ""))
+        reading.problem(noted, &place)
     })
 }

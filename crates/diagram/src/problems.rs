@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use blocksim_block::UNTRUSTED;
 use blocksim_block::problem::{FileId, Place, Problem, Severity};
 use blocksim_signal::{closest, surely};
+use blocksim_syntax::SyntaxError;
 
 /// The problems found so far. A problem that is found twice (six instances of one file) is kept once.
 #[derive(Debug, Clone, Default)]
@@ -12,6 +13,19 @@ pub(crate) struct Problems {
     all: Vec<Problem>,
     /// Problems by their message and first place, to find one that is known.
     known: HashMap<(String, Option<Start>), Vec<usize>>,
+}
+
+/// What is wrong with the text of a file that is not RON.
+pub fn not_ron(error: SyntaxError, file: FileId) -> Problem {
+    let mut problem = Problem::error("syntax", error.message).at(&Place { file, span: error.span }, "");
+    problem.help = error.help;
+    if let Some((span, seen)) = error.beside {
+        problem = problem.at(&Place { file, span }, seen);
+    }
+    match error.remedy {
+        Some(remedy) => problem.edit(Place { file, span: remedy.span }, remedy.old, remedy.new),
+        None => problem,
+    }
 }
 
 /// File and byte.

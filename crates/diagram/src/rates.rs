@@ -12,7 +12,7 @@ use crate::flatten::record::matches;
 use crate::problems::Problems;
 use crate::scope::Scope;
 use crate::settings::written::{Plain, Seconds};
-use crate::tree::{Name, Node};
+use blocksim_syntax::{Name, Node};
 
 /// Share of a spacing by which a multiple of it may be off.
 const CLOSE: f64 = 1e-6;
@@ -53,9 +53,7 @@ fn read<'a>(
         "rows" => Plain::deserialize(Written::new(&reading, node)).map(|rows| rows.0),
         _ => Seconds::deserialize(Written::new(&reading, node)).map(|time| time.0),
     };
-    let number = number.map_err(|noted| {
-        reading.problem.take().unwrap_or_else(|| Problem::error("parameter", noted.0).at(&place, ""))
-    })?;
+    let number = number.map_err(|noted| reading.problem(noted, &place))?;
     if word.text == "rows" {
         let whole = number.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(&number);
         let message = format!("`rows` is {number}, but must be a whole number of at least 1");
@@ -127,8 +125,8 @@ mod tests {
     use crate::settings::settings;
     use crate::source::Sources;
     use crate::toys::{NoFiles, messages};
-    use crate::tree::read as read_tree;
     use blocksim_block::problem::FileId;
+    use blocksim_syntax::read as read_tree;
 
     /// Rates and messages of `record: [...]` with these settings.
     fn read_rates(simulation: &str, record: &str) -> (Vec<Keep>, String) {

@@ -10,7 +10,7 @@ use blocksim_block::problem::FileId;
 use blocksim_block::{CodePolicy, Files, LoadError, NoCode};
 
 use crate::mentions::Log;
-use crate::tree::{Node, SyntaxError, read};
+use blocksim_syntax::{Node, SyntaxError, read};
 
 /// Reads files for the compiler, which itself opens none.
 pub trait Reader {
@@ -32,13 +32,13 @@ pub trait Reader {
 }
 
 /// A text as a tree, or what is wrong with it.
-pub(crate) type Tree = Result<Rc<Node>, SyntaxError>;
+pub(crate) type TreeOrError = Result<Rc<Node>, SyntaxError>;
 
 /// Texts as trees, for a program that compiles a model again and again while one of its files changes: what has the same
 /// text as the last time is not parsed again.
 #[derive(Debug, Default)]
 pub struct Trees {
-    kept: RefCell<HashMap<PathBuf, (Arc<str>, Tree)>>,
+    kept: RefCell<HashMap<PathBuf, (Arc<str>, TreeOrError)>>,
     parsed: Cell<usize>,
 }
 
@@ -48,7 +48,7 @@ impl Trees {
         self.parsed.get()
     }
 
-    fn of(&self, file: &SourceFile) -> Tree {
+    fn of(&self, file: &SourceFile) -> TreeOrError {
         if let Some((text, tree)) = self.kept.borrow().get(&file.path)
             && (Arc::ptr_eq(text, &file.text) || *text == file.text)
         {
@@ -93,7 +93,7 @@ impl<'a> Sources<'a> {
     }
 
     /// The text of a file as a tree.
-    pub(crate) fn tree(&self, id: FileId) -> Tree {
+    pub(crate) fn tree(&self, id: FileId) -> TreeOrError {
         self.trees.unwrap_or(&self.own).of(&self.file(id))
     }
 

@@ -13,7 +13,7 @@ use crate::flatten::{Flat, flatten};
 use crate::model::{Content, Model, ModelBlock};
 use crate::problems::Problems;
 use crate::source::Reader;
-use crate::tree::{Shape, read};
+use blocksim_syntax::{Shape, read};
 
 /// `Gain`, `Limit` (with a guard), `Sum`, `Constant(n: 3)`, `State` or `Sampled(period: 0.001, offset: 0)`.
 #[derive(Debug)]

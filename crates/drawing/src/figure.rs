@@ -2,8 +2,9 @@
 
 use blocksim_block::physical::Domain;
 use blocksim_block::{BlockInfo, Symbol};
-use blocksim_diagram::{BlockAst, Content, ModelBlock, Node, PortKind as Kind, Shape};
+use blocksim_diagram::{BlockAst, Content, ModelBlock, PortKind as Kind};
 use blocksim_layout::PortKind;
+use blocksim_syntax::{Node, Shape};
 
 /// Longest value that is written into a sign.
 const LONGEST_VALUE: usize = 10;

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use blocksim_syntax::{Node, Shape, TokenKind, Tokens, read};
+
 /// Numbers of two parameter files by their paths, `bodies.link_1.mass`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Differences {
@@ -45,31 +47,31 @@ pub fn differences(old: &str, new: &str) -> Differences {
     }
 }
 
-/// Values of a parameter file: a line `name: (` opens a group, `),` closes it, any other line with a colon is a value.
+/// Values of a parameter file by their paths, without comments and however they are laid out; none of a text that cannot be read.
 fn values(text: &str) -> BTreeMap<String, String> {
-    let mut values: BTreeMap<String, String> = BTreeMap::new();
-    let mut path: Vec<&str> = Vec::new();
-    let mut list: Option<String> = None;
-    for line in text.lines().map(str::trim).filter(|line| !line.starts_with("//")) {
-        if let Some(key) = &list {
-            match line {
-                "]," => list = None,
-                _ => values.entry(key.clone()).or_default().push_str(line),
-            }
-        } else if matches!(line, ")," | ")") {
-            path.pop();
-        } else if let Some((name, value)) = line.split_once(": ") {
-            let key = || path.iter().copied().chain([name]).collect::<Vec<_>>().join(".");
-            match value {
-                "(" => path.push(name),
-                "[" => list = Some(key()),
-                _ => {
-                    values.insert(key(), value.trim_end_matches(',').to_owned());
-                }
-            }
-        }
+    let mut values = BTreeMap::new();
+    if let Ok(root) = read(text) {
+        gather(text, &root, "", &mut values);
     }
     values
+}
+
+fn gather(text: &str, node: &Node, path: &str, values: &mut BTreeMap<String, String>) {
+    match &node.value {
+        Shape::Struct(None, members) | Shape::Map(members) => {
+            for (name, member) in members {
+                let dot = if path.is_empty() { "" } else { "." };
+                gather(text, member, &format!("{path}{dot}{}", name.text), values);
+            }
+        }
+        _ => {
+            let written = &text[node.span.clone()];
+            let tokens = Tokens::new(written);
+            let tokens = tokens.filter(|token| !token.kind.is_comment() && token.kind != TokenKind::Comma);
+            let tokens: Vec<&str> = tokens.map(|token| token.of(written)).collect();
+            values.insert(path.to_owned(), tokens.join(" "));
+        }
+    }
 }
 
 /// Lines of a diagram that name a number by its path (or one in a group), from 1.
@@ -98,6 +100,9 @@ mod tests {
         assert_eq!(found.changed, ["bodies.a.mass"]);
         assert_eq!(Differences::groups(&found.removed, &new), ["bodies.a.com", "bodies.b"]);
         assert_eq!(differences(OLD, OLD), Differences::default());
+        // A layout is no change.
+        let on_one_line = "(bodies: (a: (mass: \"1 kg\", /* x */ com: [\"0 m\"]), b: (mass: \"2 kg\")))";
+        assert_eq!(differences(OLD, on_one_line), Differences::default());
     }
 
     #[test]

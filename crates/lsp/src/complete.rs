@@ -14,7 +14,7 @@ use crate::context::{Context, context, is_of_reference};
 use crate::library::{Prose, about, all_kinds, kind, side};
 use crate::models::Blocks;
 use crate::names::{Section, declared};
-use crate::scan::run_at;
+use blocksim_syntax::run_at;
 
 /// Sections of a diagram and what they are for.
 const SECTIONS: [(&str, &str); 9] = [

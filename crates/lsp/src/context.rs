@@ -2,7 +2,7 @@
 
 use blocksim_diagram::{SIMULATION, Step};
 
-use crate::scan::{Open, is_word, scan};
+use blocksim_syntax::{Open, is_word, scan};
 
 /// What may stand at a place.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -140,7 +140,7 @@ pub fn is_of_reference(sign: char) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scan::run_at;
+    use blocksim_syntax::run_at;
 
     /// The context at the sign `|`.
     fn at(text: &str) -> Context<'static> {

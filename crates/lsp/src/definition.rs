@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::context::{Context, context, is_of_reference};
 use crate::names::{Section, declared};
-use crate::scan::{is_word, run_at};
+use blocksim_syntax::{is_word, run_at};
 
 /// A place: in this text, or the beginning of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]

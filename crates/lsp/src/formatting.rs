@@ -1,6 +1,6 @@
 //! A text laid out as `blocksim fmt` does it.
 
-use blocksim_diagram::format;
+use blocksim_syntax::format;
 use lsp_types::TextEdit;
 
 use crate::position::span;

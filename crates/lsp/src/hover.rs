@@ -1,7 +1,7 @@
 //! What stands under the cursor.
 
 use blocksim_block::BlockInfo;
-use blocksim_diagram::{Name, Node, read_tree};
+use blocksim_syntax::{Name, Node};
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 
 use crate::context::{Context, context, is_of_reference};
@@ -9,7 +9,7 @@ use crate::library::{Prose, about, kind, side};
 use crate::models::Blocks;
 use crate::names::{Declared, Section, declared};
 use crate::position::span;
-use crate::scan::{is_word, run_at};
+use blocksim_syntax::{is_word, run_at};
 
 /// What stands at a place of a text, if it is known.
 pub fn hover(text: &str, at: usize, blocks: Option<&Blocks>, prose: Prose) -> Option<Hover> {
@@ -90,7 +90,7 @@ const LONGEST: usize = 60;
 
 /// Parameters of a block as the text sets them; none while the text cannot be read.
 fn written(text: &str, block: &str) -> Vec<(String, String)> {
-    let Ok(root) = read_tree(text) else { return Vec::new() };
+    let Ok(root) = blocksim_syntax::read(text) else { return Vec::new() };
     let member = |node: &'_ Node, name: &str| -> Option<Node> {
         node.members()?.iter().find(|(known, _)| known.text == name).map(|(_, node)| node.clone())
     };

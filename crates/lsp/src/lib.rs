@@ -30,7 +30,6 @@ mod models;
 mod names;
 mod outline;
 mod position;
-mod scan;
 mod server;
 mod texts;
 mod uri;

@@ -9,10 +9,10 @@ use blocksim_block::problem::{Label, Problem, Severity};
 use blocksim_block::schedule::Schedule;
 use blocksim_block::{BlockInfo, CodePolicy};
 use blocksim_diagram::{
-    Compiled, Content, Model, ModelBlock, Node, Options, Shape, SourceFile, Sources, Trees, compile_and_keep,
-    model,
+    Compiled, Content, Model, ModelBlock, Options, SourceFile, Sources, Trees, compile_and_keep, model,
 };
 use blocksim_signal::{Unit, si_text};
+use blocksim_syntax::{Node, Shape};
 use lsp_types::{
     Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Range as Span,
 };

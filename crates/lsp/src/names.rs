@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::scan::{Event, scan};
+use blocksim_syntax::{Event, scan};
 
 /// A parameter, a block, or what comes in, goes out or is joined.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -72,7 +72,7 @@ pub fn declared(text: &str) -> Vec<Declared<'_>> {
 mod tests {
     use std::path::{Path, PathBuf};
 
-    use blocksim_diagram::{Node, Shape, read_tree};
+    use blocksim_syntax::{Node, Shape};
 
     use super::*;
 
@@ -117,7 +117,8 @@ mod tests {
         let mut compared = 0;
         for path in paths {
             let text = std::fs::read_to_string(&path).unwrap();
-            let Ok(Node { value: Shape::Struct(Some(word), members), .. }) = read_tree(&text) else {
+            let Ok(Node { value: Shape::Struct(Some(word), members), .. }) = blocksim_syntax::read(&text)
+            else {
                 continue;
             };
             if word.text != "Diagram" {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use blocksim_block::physical::{Component, Needs, Place};
+use blocksim_block::physical::{Component, ElementPlace, Needs};
 use blocksim_block::{Block, Context};
 
 use crate::electrics::{Island, Joined};
@@ -44,7 +44,7 @@ pub(crate) struct Seat {
     pub windings: Range<usize>,
     pub valves: Range<usize>,
     /// Elements that have a name.
-    pub places: Vec<Place>,
+    pub places: Vec<ElementPlace>,
     /// Whether each two-pin is a resistance or a valve, whose heat the network books; nothing where the member has no port for it.
     pub dissipates: Vec<bool>,
     /// Two-pins of the windings whose currents are states.

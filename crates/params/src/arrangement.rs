@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use blocksim_diagram::{Name, Node, Shape, read_tree};
 use blocksim_signal::closest;
+use blocksim_syntax::{Name, Node, Shape};
 
 use crate::key::{numbered, words};
 use crate::quantity::{Quantity, SetError};
@@ -72,7 +72,7 @@ impl Arrangement {
     /// # Errors
     /// What is wrong in the file, or in what it says about these quantities.
     pub fn read(text: &str, quantities: &[Quantity]) -> Result<Arrangement, SetError> {
-        let root = read_tree(text)
+        let root = blocksim_syntax::read(text)
             .map_err(|error| SetError::new(error.message, error.help.as_deref(), error.span))?;
         let mut found = Arrangement::default();
         let mut rules: Vec<Rule> = Vec::new();

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use blocksim_diagram::{Name, Node, Shape, read_tree};
 use blocksim_signal::Unit;
+use blocksim_syntax::{Name, Node, Shape};
 
 /// A quantity of a set.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +55,7 @@ impl SetError {
 
 /// The quantities of one value of a model, such as `8.0` or `["1 mm", "2 mm"]`, which stands at this place of a text.
 pub fn quantities_at(path: &str, text: &str, number: usize, place: &Range<usize>) -> Vec<Quantity> {
-    let Some(Ok(root)) = text.get(place.clone()).map(read_tree) else { return Vec::new() };
+    let Some(Ok(root)) = text.get(place.clone()).map(blocksim_syntax::read) else { return Vec::new() };
     let mut walk = Walk { text: &text[place.clone()], found: Vec::new() };
     // A name that stands twice is reported where the model is read.
     if walk.node(&root, path.to_owned(), &Default::default()).is_err() {
@@ -77,7 +77,7 @@ pub fn quantities_at(path: &str, text: &str, number: usize, place: &Range<usize>
 /// # Errors
 /// The first place that is no RON, or a name that stands twice in the same set.
 pub fn quantities(text: &str) -> Result<Vec<Quantity>, SetError> {
-    let root = read_tree(text).map_err(|error| SetError {
+    let root = blocksim_syntax::read(text).map_err(|error| SetError {
         message: error.message,
         help: error.help,
         place: error.span,

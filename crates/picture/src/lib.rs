@@ -1,4 +1,5 @@
-//! Pictures: colours of drawings, how wide a text is, and drawings in SVG made into PNG. Knows nothing of blocks and plots.
+//! Pictures: colours of drawings, how wide a text is, signals over time as drawings ([`plot`]), and drawings in SVG made into PNG. Knows
+//! nothing of blocks and files.
 //!
 //! A drawing is text in SVG 1.1 with literal colours. Its `text` elements are drawn with a font that comes with
 //! the program, so that a picture is the same everywhere; see `png` for what they may say. Pictures are made where the feature
@@ -12,6 +13,7 @@ mod glyphs;
 #[cfg(feature = "png")]
 mod outline;
 mod palette;
+pub mod plot;
 #[cfg(feature = "png")]
 mod raster;
 
@@ -19,5 +21,9 @@ mod raster;
 pub use error::PictureError;
 pub use font::text_width;
 pub use palette::{Palette, Theme};
+pub use plot::{
+    Across, Figure, Label, Line, Mark, Panel, Plane, PlaneAxis, Sign, Strip, Style, pages, pairs, plane_svg,
+    pretty_unit, svg, thinned,
+};
 #[cfg(feature = "png")]
 pub use raster::png;

@@ -207,38 +207,40 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
     let nothing_of = [
         ("signal", &["*"][..]),
         ("numbers", &["*"]),
-        ("law", &["signal", "block", "blocks", "diagram", "sim", "solve", "ron", "serde"]),
-        ("solve", &["block", "blocks", "ron", "serde"]),
+        ("syntax", &["*"]),
+        ("law", &["signal", "block", "blocks", "diagram", "sim", "solve", "syntax", "serde"]),
+        ("solve", &["block", "blocks", "syntax", "serde"]),
         ("multibody", &["block", "blocks", "diagram"]),
-        ("scene", &["block", "blocks", "diagram", "ron"]),
-        ("collision", &["block", "blocks", "diagram", "ron"]),
-        ("kinematics", &["block", "blocks", "ron", "serde"]),
-        ("motion", &["block", "blocks", "ron", "serde"]),
-        ("identify", &["block", "blocks", "ron", "serde", "diagram", "sim"]),
-        ("planner", &["block", "blocks", "ron"]),
-        ("robot", &["block", "blocks", "ron", "serde"]),
-        ("block", &["blocks", "diagram", "ron"]),
-        ("blocks", &["diagram", "network", "sim", "ron"]),
-        ("network", &["ron", "diagram", "blocks"]),
-        ("diagram", &["blocks", "sim", "host", "results"]),
-        ("sim", &["ron", "diagram", "blocks", "network", "results"]),
-        ("codegen", &["blocks", "diagram", "ron", "network", "results"]),
+        ("scene", &["block", "blocks", "diagram", "syntax"]),
+        ("collision", &["block", "blocks", "diagram", "syntax"]),
+        ("kinematics", &["block", "blocks", "syntax", "serde"]),
+        ("motion", &["block", "blocks", "syntax", "serde"]),
+        ("identify", &["block", "blocks", "syntax", "serde", "diagram", "sim"]),
+        ("planner", &["block", "blocks", "syntax"]),
+        ("robot", &["block", "blocks", "syntax", "serde"]),
+        ("block", &["blocks", "diagram", "syntax"]),
+        ("blocks", &["diagram", "network", "sim", "syntax"]),
+        ("network", &["syntax", "diagram", "blocks"]),
+        ("diagram", &["blocks", "sim", "host", "recording"]),
+        ("sim", &["syntax", "diagram", "blocks", "network", "recording"]),
+        ("codegen", &["blocks", "diagram", "syntax", "network", "recording"]),
         ("abi", &["*"]),
         ("controller", &["host", "block", "diagram"]),
         ("host", &["diagram", "blocks", "sim"]),
-        ("import", &["block", "blocks", "diagram", "ron"]),
-        ("results", &["block", "blocks", "diagram", "sim"]),
-        ("params", &["blocks", "sim", "results"]),
-        ("picture", &["block", "blocks", "diagram", "plot"]),
-        ("plot", &["block", "blocks", "diagram", "sim", "results"]),
+        ("import", &["block", "blocks", "diagram"]),
+        ("recording", &["block", "blocks", "diagram", "sim"]),
+        ("export", &["block", "blocks", "diagram", "sim"]),
+        ("terminal", &["block", "blocks", "diagram", "recording"]),
+        ("params", &["blocks", "sim", "recording"]),
+        ("picture", &["block", "blocks", "diagram", "sim", "recording"]),
         ("analysis", &["*"]),
         ("layout", &["*"]),
-        ("linear", &["block", "blocks", "ron", "serde", "diagram", "sim"]),
-        ("drawing", &["blocks", "sim", "host", "results", "plot"]),
-        ("report", &["block", "blocks", "diagram", "results"]),
-        ("studio", &["block", "blocks", "diagram", "sim", "results"]),
+        ("linear", &["block", "blocks", "syntax", "serde", "diagram", "sim"]),
+        ("drawing", &["blocks", "sim", "host", "recording"]),
+        ("report", &["block", "blocks", "diagram", "recording"]),
+        ("studio", &["block", "blocks", "diagram", "sim", "recording"]),
         ("lsp", &["blocks", "sim", "host"]),
-        ("site", &["signal", "block", "blocks", "diagram", "sim", "results", "plot", "drawing"]),
+        ("site", &["signal", "block", "blocks", "diagram", "sim", "recording", "picture", "drawing"]),
     ];
     for (name, absent) in nothing_of {
         let reached = reach(name);
@@ -261,7 +263,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
 #[test]
 fn heavy_crates_stand_behind_a_feature_of_the_one_that_needs_them() {
     let heavy = [
-        ("parquet", "results", "parquet"),
+        ("parquet", "export", "parquet"),
         ("calamine", "params", "xlsx"),
         ("rust_xlsxwriter", "params", "xlsx"),
         ("zip", "params", "xlsx"),
@@ -319,7 +321,7 @@ fn a_build_with_all_parts_goes_on_from_one_without() {
     assert!(lean.len() > 60 && full.len() > lean.len() + 30, "{} crates, {} in all", lean.len(), full.len());
     // The parts themselves, and what only these and the pages of runs need.
     let own =
-        ["blocksim-cli ", "blocksim-host ", "blocksim-params ", "blocksim-picture ", "blocksim-results "];
+        ["blocksim-cli ", "blocksim-export ", "blocksim-host ", "blocksim-params ", "blocksim-picture "];
     let above = ["flate2 ", "simd-adler32 "];
     for (name, features) in &lean {
         if own.iter().chain(&above).all(|own| !name.starts_with(own)) {
@@ -343,8 +345,8 @@ fn the_edges_reach_all_crates_of_the_program() {
         "sim",
         "host",
         "abi",
-        "results",
-        "ron",
+        "recording",
+        "syntax",
     ] {
         assert!(reached.contains(name), "cli does not reach {name}: {reached:?}");
     }

@@ -16,6 +16,70 @@ fn check_text(text: &str, expected: &Expect) {
 }
 
 #[test]
+fn all_mistakes_of_a_block_show_in_one_report() {
+    check(
+        r#""a": Pid(kp: "2 *", ki: [1], kd: "gain", form: Paralel, tau: 1),
+    "b": Sine(amplitude: "1 V", frequency: "1 kg", phase: true, ofset: 1),
+    "c": Step(after: "x + y", time: "1 m"),"#,
+        "",
+        &expect![[r#"
+            error[expression]: the expression ends too early
+              model.ron:3:18 `"2 *"` 
+              help: a number or a name is missing at the end
+            error[parameter]: `ki`: expected a number, found a list of 1
+              model.ron:3:29 `[1]` 
+            error[expression]: unknown name `gain`
+              model.ron:3:39 `gain` 
+              help: no names are known here
+            error[parameter]: `Paralel` is not a choice for `form`
+              model.ron:3:52 `Paralel` 
+              help: did you mean `Parallel`? The choices are `Parallel` and `Ideal`
+            error[unknown_parameter]: `Pid` has no parameter `tau`
+              model.ron:3:61 `tau` unknown parameter
+              help: the parameters are `kp`, `ki`, `kd`, `n`, `form`, `lower`, `upper`, `external_limits`, `anti_windup`, `kb`, `x0`, `d0` and `reset`
+            error[unit_mismatch]: `frequency` is in Hz, but `1 kg` is in kg
+              model.ron:4:44 `"1 kg"` should be in Hz
+              help: write a value in Hz or a unit of the same kind
+            error[parameter]: `phase`: expected a number, found true or false
+              model.ron:4:59 `true` 
+            error[unknown_parameter]: `Sine` has no parameter `ofset`
+              model.ron:4:65 `ofset` unknown parameter
+              help: the parameters are `amplitude`, `frequency`, `phase` and `bias`
+            error[expression]: unknown name `x`
+              model.ron:5:23 `x` 
+              help: no names are known here
+            error[unit_mismatch]: `time` is in s, but `1 m` is in m
+              model.ron:5:37 `"1 m"` should be in s
+              help: write a value in s or a unit of the same kind
+        "#]],
+    );
+}
+
+#[test]
+fn all_mistakes_of_the_settings_show_in_one_report() {
+    check_text(
+        r#"Diagram(
+  simulation: (stop_time: "1 m", solver: Ode45(rtol: "a", maxstep: 1), output: Evry("1 ms"), seed: 1.5, strat: Given),
+  blocks: {},
+)"#,
+        &expect![[r#"
+            error[parameter]: `stop_time`: expected a value in s, found one in m
+              model.ron:2:27 `"1 m"` 
+            error[parameter]: `solver`: `maxstep` is not known here
+              model.ron:2:59 `maxstep` 
+              help: did you mean `max_step`? Known here: `rtol`, `atol` and `max_step`
+            error[parameter]: `Evry` is not a choice for `output`
+              model.ron:2:80 `Evry("1 ms")` 
+              help: did you mean `Every`? The choices are `Steps` and `Every`
+            error[parameter]: `seed`: expected a whole number, found 1.5
+              model.ron:2:100 `1.5` 
+            error[parameter]: `strat` is not known here; known are `stop_time`, `solver`, `output`, `seed`, `start`, `atol` and `algebraic_loops`
+              model.ron:2:105 `strat` 
+        "#]],
+    );
+}
+
+#[test]
 fn an_unknown_kind_and_a_misspelt_parameter_show_in_one_report() {
     check(
         r#""a": Gian(k: 2), "b": LowPass(tua: 0.5), "c": Gain(k: 1, q: 2, k: 3),"#,

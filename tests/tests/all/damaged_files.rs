@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use blocksim_results::{ReadLimits, read_csv, read_events, read_foreign};
+use blocksim_recording::{ReadLimits, read_csv, read_events, read_foreign};
 use blocksim_tests::{Desk, compile_with, root};
 
 /// Numbers that look random, the same in every run.

@@ -5,7 +5,8 @@
 use std::sync::Arc;
 
 use blocksim_block::physical::{
-    Characteristics, Element, Energy, FrameMotion, Freedom, JointMotion, Law, Place, Supply, Torque, Wrench,
+    Characteristics, Element, ElementPlace, Energy, FrameMotion, Freedom, JointMotion, Law, Supply, Torque,
+    Wrench,
 };
 use blocksim_block::{Block, Given, kinds};
 use blocksim_blocks as _;
@@ -154,7 +155,7 @@ struct Point {
     elements: Vec<Element>,
     /// Whether what flows through an element at its across quantity is power.
     is_power: Vec<bool>,
-    places: Vec<Place>,
+    places: Vec<ElementPlace>,
     t: f64,
     x: Vec<f64>,
     d: Vec<f64>,
@@ -185,7 +186,7 @@ impl Point {
         }
         let is_power = part.elements.iter().map(|e| part.domain_of(e).carries_power()).collect();
         let is_law = |e: &&Element| matches!(e, Element::Characteristic { .. });
-        let place = |(handle, index): &(_, usize)| Place {
+        let place = |(handle, index): &(_, usize)| ElementPlace {
             handle: *handle,
             two_pin: part.elements[..*index].iter().map(two_pins).sum(),
             characteristic: is_law(&&part.elements[*index])

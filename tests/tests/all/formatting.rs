@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use blocksim_block::kinds;
 use blocksim_blocks as _;
-use blocksim_diagram::{Node, Shape, format as laid_out, read_tree};
+use blocksim_syntax::{Node, Shape, format as laid_out};
 use blocksim_tests::root;
 
 /// All `.ron` files of a folder and below.
@@ -21,11 +21,11 @@ fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
 
 /// The tree without places.
 fn said(node: &Node) -> String {
-    let members = |members: &[(blocksim_diagram::Name, Node)]| {
+    let members = |members: &[(blocksim_syntax::Name, Node)]| {
         members.iter().map(|(name, node)| format!("{:?}={};", name.text, said(node))).collect::<String>()
     };
     let items = |items: &[Node]| items.iter().map(|node| said(node) + ";").collect::<String>();
-    let word = |word: &Option<blocksim_diagram::Name>| word.as_ref().map(|word| word.text.clone());
+    let word = |word: &Option<blocksim_syntax::Name>| word.as_ref().map(|word| word.text.clone());
     match &node.value {
         Shape::List(all) => format!("[{}]", items(all)),
         Shape::Tuple(name, all) => format!("{:?}({})", word(name), items(all)),
@@ -37,12 +37,12 @@ fn said(node: &Node) -> String {
 
 #[track_caller]
 fn is_kept(name: &str, text: &str) {
-    let tree = said(&read_tree(text).expect(name));
+    let tree = said(&blocksim_syntax::read(text).expect(name));
     // Also as one line, and as one with a line for each bracket: the rules have more to do then.
     for text in [text.to_owned(), text.replace('(', "(\n"), text.replace(", ", ",\n")] {
-        if read_tree(&text).is_ok_and(|node| said(&node) == tree) {
+        if blocksim_syntax::read(&text).is_ok_and(|node| said(&node) == tree) {
             let once = laid_out(&text).unwrap_or_else(|error| panic!("{name}: {error:?}"));
-            assert_eq!(said(&read_tree(&once).expect(name)), tree, "{name}");
+            assert_eq!(said(&blocksim_syntax::read(&once).expect(name)), tree, "{name}");
             assert_eq!(laid_out(&once).as_ref(), Ok(&once), "{name}");
         }
     }
@@ -69,8 +69,12 @@ fn examples_of_blocks_mean_the_same_when_they_are_laid_out() {
     for block in kinds() {
         for example in block.examples() {
             // Some are lines of a diagram.
-            let text = if read_tree(example).is_ok() { example.to_owned() } else { format!("{{{example}}}") };
-            if read_tree(&text).is_ok() {
+            let text = if blocksim_syntax::read(example).is_ok() {
+                example.to_owned()
+            } else {
+                format!("{{{example}}}")
+            };
+            if blocksim_syntax::read(&text).is_ok() {
                 is_kept(block.kind, &text);
                 seen += 1;
             }

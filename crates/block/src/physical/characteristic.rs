@@ -19,7 +19,7 @@ impl Handle {
 
 /// Where the values of a named element lie among those of its part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct ElementPlace {
     /// The name of the element.
     pub handle: Handle,
     /// Its first two-pin, as [`Law`](super::Law) counts them.
@@ -29,7 +29,7 @@ pub struct Place {
 }
 
 /// Where an element lies that is called so.
-pub(super) fn find(places: &[Place], handle: Handle) -> Option<&Place> {
+pub(super) fn find(places: &[ElementPlace], handle: Handle) -> Option<&ElementPlace> {
     places.iter().find(|place| place.handle == handle)
 }
 
@@ -37,7 +37,7 @@ pub(super) fn find(places: &[Place], handle: Handle) -> Option<&Place> {
 /// reads and fills.
 #[derive(Debug)]
 pub struct Characteristics<'a> {
-    places: &'a [Place],
+    places: &'a [ElementPlace],
     voltage: &'a [f64],
     current: &'a mut [f64],
     slope: &'a mut [f64],
@@ -47,7 +47,7 @@ impl<'a> Characteristics<'a> {
     /// All currents and slopes zero. `voltage` and `current` have one entry for each characteristic, `slope` as many
     /// squared, by rows of currents.
     pub fn new(
-        places: &'a [Place],
+        places: &'a [ElementPlace],
         voltage: &'a [f64],
         current: &'a mut [f64],
         slope: &'a mut [f64],

@@ -1,6 +1,6 @@
 //! What a component sees when a network asks for its law.
 
-use super::{Handle, Place, Supply};
+use super::{ElementPlace, Handle, Supply};
 
 use super::characteristic::find;
 
@@ -68,7 +68,7 @@ pub struct Law<'a> {
     /// Currents, A; not in `voltages` and `currents`.
     pub current: &'a [f64],
     /// Where the named elements of the part lie.
-    pub places: &'a [Place],
+    pub places: &'a [ElementPlace],
     /// The three-phase supply that the component is connected to (or is).
     pub supply: &'a Supply,
     /// Current drawn from the supply as a space vector in its frame and zero sequence, A; for the supply in `measure`.

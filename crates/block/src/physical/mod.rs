@@ -23,7 +23,7 @@ mod part;
 mod port;
 mod supply;
 
-pub use characteristic::{Characteristics, Handle, Place};
+pub use characteristic::{Characteristics, ElementPlace, Handle};
 pub use component::Component;
 pub use effort::{Grip, Stop, Torque, Wrench};
 pub use element::{Element, ValveKind};

@@ -139,7 +139,7 @@ pub(super) fn choice<'de>(
     expected: &dyn Expected,
     read: &mut dyn FnMut(&mut dyn Alternative<'de>) -> Result<(), ReadError>,
 ) -> Result<(), ReadError> {
-    from.deserialize_enum(name, variants, Choice { expected, read }).map_err(ReadError::from_text)
+    from.deserialize_enum(name, variants, Chooser { expected, read }).map_err(ReadError::from_text)
 }
 
 /// The elements of a list.
@@ -309,12 +309,12 @@ impl<'de, A: MapAccess<'de>> Members<'de> for Parts<'_, A> {
     }
 }
 
-struct Choice<'v, 'de> {
+struct Chooser<'v, 'de> {
     expected: &'v dyn Expected,
     read: &'v mut dyn FnMut(&mut dyn Alternative<'de>) -> Result<(), ReadError>,
 }
 
-impl<'de> Visitor<'de> for Choice<'_, 'de> {
+impl<'de> Visitor<'de> for Chooser<'_, 'de> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {

@@ -1,10 +1,10 @@
 //! What tests of parts with characteristics need.
 
 use blocksim_block::Given;
-use blocksim_block::physical::{Characteristics, Component, Element, Law, Place};
+use blocksim_block::physical::{Characteristics, Component, Element, ElementPlace, Law};
 
 /// Where the named elements of a part lie.
-pub(crate) fn places(component: &dyn Component) -> Vec<Place> {
+pub(crate) fn places(component: &dyn Component) -> Vec<ElementPlace> {
     let part = component.part(&Given::nothing());
     let two_pins = |element: &Element| match element {
         Element::IdealTransformer { .. } | Element::VariableTransformer { .. } => 2,
@@ -14,7 +14,7 @@ pub(crate) fn places(component: &dyn Component) -> Vec<Place> {
     let is_law = |element: &&Element| matches!(element, Element::Characteristic { .. });
     let place = |(handle, index): &(_, usize)| {
         let before = &part.elements[..*index];
-        Place {
+        ElementPlace {
             handle: *handle,
             two_pin: before.iter().map(two_pins).sum(),
             characteristic: is_law(&&part.elements[*index]).then(|| before.iter().filter(is_law).count()),

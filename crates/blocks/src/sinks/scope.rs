@@ -1,5 +1,5 @@
 use crate::routing::names::check_names;
-use blocksim_block::Recorded;
+use blocksim_block::RecordRequest;
 use blocksim_block::prelude::*;
 use blocksim_signal::Unit;
 
@@ -57,10 +57,10 @@ impl Block for Scope {
                     .help("use one Scope for each unit, or leave `display` away"));
             }
         }
-        Ok(interface.records(Recorded {
+        Ok(interface.records(RecordRequest {
             display: self.display.clone(),
             legend: self.legend.clone(),
-            ..Recorded::default()
+            ..RecordRequest::default()
         }))
     }
 }

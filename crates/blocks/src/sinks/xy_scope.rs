@@ -1,4 +1,4 @@
-use blocksim_block::Recorded;
+use blocksim_block::RecordRequest;
 use blocksim_block::prelude::*;
 use blocksim_signal::Unit;
 
@@ -71,7 +71,7 @@ impl Block for XyScope {
             }
         }
         let legend = self.legend.iter().flat_map(|text| ["x".to_owned(), text.clone()]).collect();
-        Ok(interface.records(Recorded {
+        Ok(interface.records(RecordRequest {
             display: None,
             displays: vec![self.display_x.clone(), self.display_y.clone()],
             legend,

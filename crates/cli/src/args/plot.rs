@@ -92,11 +92,11 @@ pub enum ThemeName {
     Dark,
 }
 
-impl From<ThemeName> for blocksim_plot::Theme {
-    fn from(name: ThemeName) -> blocksim_plot::Theme {
+impl From<ThemeName> for blocksim_picture::Theme {
+    fn from(name: ThemeName) -> blocksim_picture::Theme {
         match name {
-            ThemeName::Light => blocksim_plot::Theme::Light,
-            ThemeName::Dark => blocksim_plot::Theme::Dark,
+            ThemeName::Light => blocksim_picture::Theme::Light,
+            ThemeName::Dark => blocksim_picture::Theme::Dark,
         }
     }
 }

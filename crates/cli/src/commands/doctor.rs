@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::SystemTime;
 
-use blocksim_results::{MOST_TEXT, limited_text};
+use blocksim_recording::{MOST_TEXT, limited_text};
 use serde_json::json;
 
 use crate::args::start::DoctorArgs;

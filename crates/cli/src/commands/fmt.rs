@@ -2,7 +2,8 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use blocksim_block::problem::FileId;
-use blocksim_diagram::{Reader, SourceFile, SyntaxError, format};
+use blocksim_diagram::{Reader, SourceFile, not_ron};
+use blocksim_syntax::{SyntaxError, format};
 
 use crate::args::fmt::FmtArgs;
 use crate::disk::{Disk, readable, reason, text_files, write_file};
@@ -85,7 +86,7 @@ fn files(named: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 fn standard_input(console: Console) -> Outcome {
     let mut text = String::new();
-    if let Err(error) = io::stdin().lock().take(blocksim_results::MOST_TEXT).read_to_string(&mut text) {
+    if let Err(error) = io::stdin().lock().take(blocksim_recording::MOST_TEXT).read_to_string(&mut text) {
         return Err(Failure::unreadable(format!("cannot read the standard input: {}", reason(&error))));
     }
     match format(&text) {
@@ -101,7 +102,7 @@ fn standard_input(console: Console) -> Outcome {
 fn no_ron(error: SyntaxError, path: &Path, text: &str) -> Failure {
     Failure::of(
         Exit::Model,
-        vec![error.problem(FileId(0))],
+        vec![not_ron(error, FileId(0))],
         vec![SourceFile { path: path.to_owned(), text: text.into() }],
     )
 }

@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use blocksim_results::limited_text;
+use blocksim_recording::limited_text;
 
 use crate::disk::models;
 use crate::exit::Exit;

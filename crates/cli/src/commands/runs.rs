@@ -1,5 +1,6 @@
-use blocksim_results::format::{duration, fixed, simulated};
-use blocksim_results::{Align, Kept, Table, history};
+use blocksim_numbers::format::{duration, fixed, simulated};
+use blocksim_recording::{Kept, history};
+use blocksim_terminal::{Align, Table};
 use serde_json::json;
 
 use crate::args::export::RunsArgs;

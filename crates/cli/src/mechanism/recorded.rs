@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use blocksim_results::{ALWAYS, MOST_TEXT, Run, limited_text};
+use blocksim_recording::{ALWAYS, MOST_TEXT, Run, limited_text};
 use blocksim_scene::Scene;
 use serde_json::Value;
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use blocksim_diagram::Reader;
-use blocksim_results::{MOST_TEXT, Manifest, limited_text};
+use blocksim_recording::{MOST_TEXT, Manifest, limited_text};
 
 use crate::disk::Disk;
 use crate::running::model_text::{Kept, MODEL};

@@ -1,7 +1,7 @@
 //! A simulation that failed, as a problem: what, when, where in which file, and what to do.
 
 use blocksim_block::problem::Problem;
-use blocksim_block::schedule::{Instance, Part, Schedule};
+use blocksim_block::schedule::{BlockPart, Instance, Schedule};
 use blocksim_sim::{SimError, Simulation};
 
 use crate::terminal::format::short_time;
@@ -48,8 +48,8 @@ pub fn reason(error: &SimError) -> String {
 /// Points to the blocks that the message names.
 fn at_blocks(mut problem: Problem, schedule: &Schedule) -> Problem {
     let blocks = schedule.blocks.iter().filter(|block| block.parts.is_empty());
-    let parts: Vec<Part> =
-        blocks.map(|block| Part { path: block.path.clone(), place: block.place.clone() }).collect();
+    let parts: Vec<BlockPart> =
+        blocks.map(|block| BlockPart { path: block.path.clone(), place: block.place.clone() }).collect();
     for part in named(&problem.message, &parts).iter().take(MOST) {
         if let Some(place) = &part.place {
             problem = problem.at(place, format!("this is `{}`", part.path));
@@ -73,10 +73,10 @@ fn in_network(mut problem: Problem, network: &Instance) -> Problem {
 }
 
 /// Parts whose path, alone or followed by a port or a state, stands in backticks; each once.
-fn named<'a>(message: &str, parts: &'a [Part]) -> Vec<&'a Part> {
-    let mut found: Vec<&Part> = Vec::new();
+fn named<'a>(message: &str, parts: &'a [BlockPart]) -> Vec<&'a BlockPart> {
+    let mut found: Vec<&BlockPart> = Vec::new();
     for quoted in message.split('`').skip(1).step_by(2) {
-        let is_meant = |part: &&Part| {
+        let is_meant = |part: &&BlockPart| {
             quoted.strip_prefix(&part.path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
         found.extend(parts.iter().filter(is_meant));
@@ -96,7 +96,8 @@ mod tests {
 
     #[test]
     fn the_parts_that_a_message_names_are_found_in_its_order() {
-        let parts = ["arm/link1", "arm/link10", "motor"].map(|path| Part { path: path.into(), place: None });
+        let parts =
+            ["arm/link1", "arm/link10", "motor"].map(|path| BlockPart { path: path.into(), place: None });
         let paths = |message: &str| -> Vec<String> {
             named(message, &parts).iter().map(|part| part.path.clone()).collect()
         };

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use blocksim_results::EventRow;
-use blocksim_results::format::{count, significant};
+use blocksim_numbers::format::{count, significant};
+use blocksim_recording::EventRow;
 use serde_json::{Value, json};
 
 /// Events that are listed in the summary.

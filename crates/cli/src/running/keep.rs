@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use blocksim_results::{
-    ALWAYS, EventRow, Manifest, Rate, Recording, ResultsError, Run, RunFolder, write_run_csv,
-};
+use blocksim_export::write_run_csv;
+use blocksim_recording::{ALWAYS, EventRow, Manifest, Rate, Recording, ResultsError, Run, RunFolder};
 use blocksim_scene::Scene;
 
 use super::meshes;

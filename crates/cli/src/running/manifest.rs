@@ -2,7 +2,9 @@
 
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::{Replaced, SourceFile, fingerprint};
-use blocksim_results::{Choice, Counts, Ended, FileUsed, Layout, Manifest, Override, Program, RecordedUsed};
+use blocksim_recording::{
+    Choice, Counts, Ended, FileUsed, Layout, Manifest, Override, Program, RecordedUsed,
+};
 
 use crate::args::model::ModelArgs;
 use crate::loaded::{Loaded, with_slashes};

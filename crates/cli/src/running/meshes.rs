@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use blocksim_diagram::fingerprint;
-use blocksim_results::{ResultsError, RunFolder};
+use blocksim_recording::{ResultsError, RunFolder};
 use blocksim_scene::{Form, Scene};
 
 /// Bytes of all meshes that a run keeps; what comes on top is not shown in its page.

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use blocksim_results::{EventRow, RecordingError, Stream};
+use blocksim_recording::{EventRow, RecordingError, Stream};
 use blocksim_sim::{Control, Counts, Observer};
 
 use crate::running::interrupt;

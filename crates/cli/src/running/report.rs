@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{Recorded, Schedule};
-use blocksim_results::{Ended, EventRow, Manifest, Recording};
+use blocksim_recording::{Ended, EventRow, Manifest, Recording};
 use blocksim_sim::Counts;
 use serde_json::{Value, json};
 

@@ -2,7 +2,7 @@
 
 use blocksim_block::schedule::{Keep, Recorded, Settings};
 use blocksim_diagram::off_grid;
-use blocksim_results::{Layout, Rate};
+use blocksim_recording::{Layout, Rate};
 use blocksim_signal::closest;
 
 use crate::args::values::time;

@@ -2,7 +2,7 @@
 
 use blocksim_block::methods::{METHODS, Method, instead_of};
 use blocksim_block::schedule::{Settings, Solver};
-use blocksim_results::SolverUsed;
+use blocksim_recording::SolverUsed;
 use blocksim_signal::closest;
 
 use crate::args::model::SolverArgs;

@@ -1,8 +1,9 @@
 //! What a run was, in a few lines.
 
-use blocksim_results::format::{count, duration, significant, simulated};
-use blocksim_results::{Align, Choice, Ended, Manifest, Table};
+use blocksim_numbers::format::{count, duration, significant, simulated};
+use blocksim_recording::{Choice, Ended, Manifest};
 use blocksim_sim::{Counts, Share};
+use blocksim_terminal::{Align, Table};
 
 use crate::running::solver;
 use crate::terminal::render::plural;
@@ -136,7 +137,7 @@ pub fn short(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use blocksim_results::{FileUsed, Program, SolverUsed};
+    use blocksim_recording::{FileUsed, Program, SolverUsed};
     use expect_test::expect;
 
     fn manifest(ended: Ended) -> Manifest {
@@ -152,7 +153,7 @@ mod tests {
             started: "2026-11-21T14:03:22Z".into(),
             wall_time: 0.42,
             simulated_time: 1.724,
-            counts: blocksim_results::Counts::default(),
+            counts: blocksim_recording::Counts::default(),
             ended,
         }
     }

@@ -1,8 +1,9 @@
 //! What a run looks like in the terminal.
 
 use blocksim_analysis::continued;
-use blocksim_results::format::with_unit;
-use blocksim_results::{Align, Kind, PlotOptions, Series, Table, plot, sparkline};
+use blocksim_numbers::format::with_unit;
+use blocksim_recording::Kind;
+use blocksim_terminal::{Align, PlotOptions, Series, Table, plot, sparkline};
 
 use crate::signals::display::{Shown, turn};
 use crate::signals::headings::headings;

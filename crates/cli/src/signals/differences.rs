@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use blocksim_diagram::{Sources, model, targets};
-use blocksim_results::Run;
-use blocksim_results::format::significant;
+use blocksim_numbers::format::significant;
+use blocksim_recording::Run;
 
 use super::traces::Book;
 use crate::mechanism::text::text;

@@ -1,7 +1,7 @@
 //! Recorded signals in the units in which people want to see them.
 
 use blocksim_block::schedule::Recorded;
-use blocksim_results::{Kind, Layout, Rate, Recording, Signal, SignalInfo};
+use blocksim_recording::{Kind, Layout, Rate, Recording, Signal, SignalInfo};
 use blocksim_signal::{Dimension, Unit};
 
 /// A recorded signal and the unit to show it in.

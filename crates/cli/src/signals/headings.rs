@@ -1,6 +1,6 @@
 //! What scopes are called: as their labels say, else by their paths.
 
-use blocksim_results::titles;
+use blocksim_recording::titles;
 
 use crate::signals::naming::distinct_names;
 

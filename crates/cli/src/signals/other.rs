@@ -1,6 +1,6 @@
 //! Signals of a second recording, brought to units and times of the first.
 
-use blocksim_results::{ALWAYS, Column};
+use blocksim_recording::{ALWAYS, Column};
 
 use super::traces::{Book, Trace};
 use crate::failure::Failure;

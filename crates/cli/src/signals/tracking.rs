@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use blocksim_analysis::{metrics, without_jumps};
-use blocksim_plot::pairs;
+use blocksim_picture::pairs;
 use blocksim_signal::Unit;
 
 use crate::signals::display::{Shown, turn};

@@ -1,7 +1,7 @@
 //! How well actual values follow their set values, as a table and as data.
 
-use blocksim_results::format::seconds;
-use blocksim_results::{Align, Table};
+use blocksim_numbers::format::seconds;
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use crate::signals::tracking::{Errors, Tracking};

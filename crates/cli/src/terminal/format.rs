@@ -1,6 +1,6 @@
 //! Columns of numbers.
 
-use blocksim_results::format::{fixed, significant};
+use blocksim_numbers::format::{fixed, significant};
 
 /// A heading with its unit, where all rows have the same one; plain numbers need none.
 pub fn headed(name: &str, units: &[&str]) -> String {

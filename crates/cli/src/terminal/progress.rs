@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use blocksim_results::format::{duration, fixed, significant};
+use blocksim_numbers::format::{duration, fixed, significant};
 use serde_json::json;
 
 use crate::terminal::console::Console;

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use blocksim_results::{limited_text, write_whole};
+use blocksim_recording::{limited_text, write_whole};
 use serde_json::{Value, json};
 
 use crate::disk;

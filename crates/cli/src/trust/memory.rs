@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use blocksim_diagram::fingerprint;
-use blocksim_results::{limited_text, write_whole};
+use blocksim_recording::{limited_text, write_whole};
 use serde_json::{Value, json};
 
 use crate::home;

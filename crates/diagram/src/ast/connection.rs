@@ -4,7 +4,7 @@ use blocksim_block::problem::Problem;
 
 use super::parse::Section;
 use super::{ConnectionAst, Reference};
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 impl Section<'_> {
     pub(super) fn connections(&mut self, node: &Node) -> Vec<ConnectionAst> {

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use blocksim_block::problem::{FileId, Place};
 
-use crate::tree::{Name, Node};
+use blocksim_syntax::{Name, Node};
 
 pub(crate) use parse::parse;
 

@@ -8,7 +8,7 @@ use blocksim_signal::closest;
 
 use super::{Ast, BlockAst, Reference};
 use crate::problems::{Problems, list, mended};
-use crate::tree::{Name, Node, Shape};
+use blocksim_syntax::{Name, Node, Shape};
 
 const SECTIONS: [&str; 9] =
     ["title", "parameters", "simulation", "inputs", "outputs", "ports", "blocks", "connections", "record"];

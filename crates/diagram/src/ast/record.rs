@@ -6,7 +6,7 @@ use blocksim_signal::closest;
 use super::parse::{Section, unique};
 use super::{RATES, RecordAst};
 use crate::problems::{list, mended};
-use crate::tree::{Name, Node, Shape};
+use blocksim_syntax::{Name, Node, Shape};
 
 /// What an entry may look like.
 const FORM: &str = "a pattern such as `\"arm/**\"`, or `(signals: \"arm/**\", every: \"10 ms\")`";

@@ -6,7 +6,7 @@ use blocksim_block::law::BlockLaw;
 use blocksim_block::{Block, Context, Discrete, Given, Interface, InterfaceError, JumpPhrase, Scratch};
 use blocksim_signal::SampleTime;
 
-use super::gate::{State, gate_input};
+use super::gate::{GateState, gate_input};
 
 /// A block that is called while its subsystem runs. Meanwhile its states stand still, its conditions are not watched, and it gives what
 /// it gave last, which the engine keeps for it ([`Interface::holds`]).
@@ -155,8 +155,8 @@ impl Conditional {
         }
     }
 
-    fn gate(c: &Context) -> State {
-        State::new(c.input(c.inputs.len() - 1))
+    fn gate(c: &Context) -> GateState {
+        GateState::new(c.input(c.inputs.len() - 1))
     }
 
     fn runs(c: &Context) -> bool {

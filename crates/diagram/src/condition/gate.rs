@@ -39,14 +39,14 @@ const WAS_RESET: &[Change] = &[Change::any("is reset")];
 
 /// What a gate gave, as a block inside sees it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct State {
+pub(crate) struct GateState {
     pub enabled: bool,
     at: f64,
     /// When states were set to their initial values last; negative if never.
     pub reset: f64,
 }
 
-impl State {
+impl GateState {
     /// From the values of an input that comes from a gate.
     pub fn new(values: &[f64]) -> Self {
         Self { enabled: values[ENABLED] > 0.0, at: values[AT], reset: values[RESET] }
@@ -82,11 +82,11 @@ impl Gate {
         self.condition.inputs().position(|input| input == name).map(|input| c.scalar(input))
     }
 
-    fn outer(&self, c: &Context) -> State {
+    fn outer(&self, c: &Context) -> GateState {
         if self.nested {
-            State::new(c.input(self.condition.inputs().count()))
+            GateState::new(c.input(self.condition.inputs().count()))
         } else {
-            State { enabled: true, at: ALWAYS, reset: NEVER }
+            GateState { enabled: true, at: ALWAYS, reset: NEVER }
         }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use blocksim_block::{Block, Context, Given, Interface, InterfaceError, Merging, Scratch};
 
-use super::gate::{State, gate_input};
+use super::gate::{GateState, gate_input};
 use crate::problems::list;
 
 /// A block that merges outputs of conditional subsystems, with a further input for each of its inputs, from the gate of the subsystem.
@@ -32,7 +32,7 @@ impl Merger {
 
     /// The inputs whose subsystems run.
     fn running<'c>(&'c self, c: &'c Context) -> impl Iterator<Item = usize> + 'c {
-        (0..self.count).filter(|input| State::new(c.input(self.count + input)).runs(c.t))
+        (0..self.count).filter(|input| GateState::new(c.input(self.count + input)).runs(c.t))
     }
 }
 

@@ -3,7 +3,7 @@
 use blocksim_block::{Block, Context, Given, Input, Interface, InterfaceError, Output, Scratch};
 use blocksim_signal::{Kind, Quantity};
 
-use super::gate::{State, gate_input};
+use super::gate::{GateState, gate_input};
 
 /// An output of a conditional subsystem that gives a value while the subsystem is disabled, or that comes from one of its inputs, which
 /// goes on changing while the subsystem does not run.
@@ -49,7 +49,7 @@ impl Block for Outlet {
     }
 
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
-        let gate = State::new(c.input(1));
+        let gate = GateState::new(c.input(1));
         match self.value {
             _ if gate.runs(c.t) => y.copy_from_slice(c.input(0)),
             Some(value) if !gate.enabled => y.fill(value.value),

@@ -12,7 +12,7 @@ use super::word_or::WORD_OR;
 use super::written::Written;
 use super::{Noted, Reading};
 use crate::scope::{Evaluation, noted};
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 impl<'n, 'a> Written<'n, 'a> {
     fn evaluate(&self) -> Result<Value, Noted> {

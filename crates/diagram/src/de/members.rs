@@ -9,7 +9,7 @@ use serde::de::{
 
 use super::written::Written;
 use super::{Expected, Noted};
-use crate::tree::{Name, Node, Shape};
+use blocksim_syntax::{Name, Node, Shape};
 
 /// Members of a set or of `Kind(...)`.
 pub(super) struct Members<'n, 'a> {

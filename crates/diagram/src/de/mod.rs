@@ -20,7 +20,7 @@ use blocksim_block::{BlockInfo, ParamUnits};
 use blocksim_signal::Dimension;
 
 use crate::scope::Scope;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 pub(crate) use tagged::Tagged;
 pub(crate) use word_or::{Either, word_or};
@@ -31,7 +31,8 @@ pub(crate) struct Reading<'a> {
     pub scope: Rc<Scope<'a>>,
     pub file: FileId,
     pub info: Option<&'static BlockInfo>,
-    pub problem: RefCell<Option<Problem>>,
+    /// What is wrong, in the order in which it was found: at most one problem for each parameter.
+    problems: RefCell<Vec<Problem>>,
     pub units: RefCell<ParamUnits>,
     /// Whether a bare number has no unit, rather than an open one.
     pub strict: bool,
@@ -60,7 +61,7 @@ impl<'a> Reading<'a> {
             scope,
             file,
             info,
-            problem: RefCell::default(),
+            problems: RefCell::default(),
             units: RefCell::default(),
             numbers: RefCell::default(),
             strict: false,
@@ -102,8 +103,17 @@ impl<'a> Reading<'a> {
     }
 
     fn note(&self, problem: Problem) -> Noted {
-        self.problem.borrow_mut().get_or_insert(problem);
+        self.problems.borrow_mut().push(problem);
         Noted(String::new())
+    }
+
+    /// Why something could not be read: the problems that were noted, or what serde reports, which has no place.
+    pub(crate) fn problems(&self, noted: Noted, whole: &Place) -> Vec<Problem> {
+        let mut problems = self.problems.take();
+        if problems.is_empty() && !noted.0.is_empty() {
+            problems.push(Problem::error("parameter", noted.0).at(whole, ""));
+        }
+        problems
     }
 
     /// Keeps a number of a parameter. Tables are not looked at number by number.
@@ -117,13 +127,19 @@ impl<'a> Reading<'a> {
         }
     }
 
+    /// The first of [`problems`](Self::problems).
+    pub(crate) fn problem(&self, noted: Noted, whole: &Place) -> Problem {
+        let first = self.problems(noted, whole).into_iter().next();
+        first.unwrap_or_else(|| Problem::error("parameter", "this cannot be read").at(whole, ""))
+    }
+
     fn place(&self, node: &Node) -> Place {
         Place { file: self.file, span: node.span.clone() }
     }
 }
 
 /// A problem was noted, or serde says something that has no place yet.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Noted(pub String);
 
 impl Display for Noted {

@@ -4,7 +4,7 @@ use blocksim_block::problem::{Place, Problem};
 
 use super::{Expected, Noted, Reading};
 use crate::problems::unknown_member;
-use crate::tree::{Name, Node};
+use blocksim_syntax::{Name, Node};
 
 /// A written value, ready to become whatever is asked for.
 #[derive(Clone, Copy)]
@@ -45,14 +45,14 @@ impl<'n, 'a> Written<'n, 'a> {
         if members.iter().any(|(name, _)| name.text.is_empty()) {
             self.reading.offered.replace(known.to_vec());
         }
-        match members.iter().find(|(name, _)| !known.contains(&name.text.as_str())) {
-            None => Ok(()),
-            Some((name, _)) => {
-                let place = Place { file: self.reading.file, span: name.span.clone() };
-                let within = self.expected.field.map(|field| format!("`{field}`: ")).unwrap_or_default();
-                Err(self.reading.note(unknown_member(&within, &name.text, place, known)))
-            }
+        let unknown = members.iter().filter(|(name, _)| !known.contains(&name.text.as_str()));
+        let within = self.expected.field.map(|field| format!("`{field}`: ")).unwrap_or_default();
+        let mut refused = Ok(());
+        for (name, _) in unknown {
+            let place = Place { file: self.reading.file, span: name.span.clone() };
+            refused = Err(self.reading.note(unknown_member(&within, &name.text, place, known)));
         }
+        refused
     }
 
     pub(super) fn with_node(&self, node: &'n Node) -> Self {

@@ -6,7 +6,7 @@ use blocksim_signal::{Dimension, Unit};
 use super::view::{Asked, Tree, View};
 use super::{Declared, Source};
 use crate::problems::Problems;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 impl View<'_> {
     /// Inputs of subsystems that say their unit, with what drives them.

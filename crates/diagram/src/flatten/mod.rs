@@ -10,7 +10,7 @@ mod view;
 use std::sync::Arc;
 
 use blocksim_block::problem::Place;
-use blocksim_block::schedule::Part;
+use blocksim_block::schedule::BlockPart;
 use blocksim_block::{Block, Interface, ParamUnits};
 use blocksim_signal::Dimension;
 
@@ -58,7 +58,7 @@ pub struct FlatBlock {
     /// Where it is declared.
     pub place: Option<Place>,
     /// The blocks that became this one, if it is a physical network.
-    pub parts: Vec<Part>,
+    pub parts: Vec<BlockPart>,
     /// Parameters and functions.
     pub block: Arc<dyn Block>,
     /// Units of the parameters as written.

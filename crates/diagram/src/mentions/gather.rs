@@ -10,7 +10,7 @@ use super::{Event, Meaning, Mention, Mentions, Symbol};
 use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::model::Model;
 use crate::source::Sources;
-use crate::tree::Name;
+use blocksim_syntax::Name;
 
 /// A place as a key: file, start, end.
 type At = (FileId, usize, usize);
@@ -36,7 +36,7 @@ pub(super) struct Gathered<'a> {
 
 /// What a block is made of.
 #[derive(Default)]
-pub(super) struct Content {
+pub(super) struct Inside {
     /// Diagrams, one of each file.
     asts: Vec<Rc<Ast>>,
     /// Kinds of the library.
@@ -150,8 +150,8 @@ impl<'a> Gathered<'a> {
     }
 
     /// What a block is made of, given the place of its name.
-    pub(super) fn content(&self, block: &Place) -> Content {
-        let mut content = Content::default();
+    pub(super) fn content(&self, block: &Place) -> Inside {
+        let mut content = Inside::default();
         let mut open = vec![block.clone()];
         while let Some(block) = open.pop() {
             for ast in self.insides.get(&at(&block)).into_iter().flatten() {

@@ -5,7 +5,7 @@ use blocksim_block::problem::Place;
 use super::gather::Gathered;
 use crate::flatten::record::matches;
 use crate::model::{Content, Model};
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 /// Finds what the paths at the top name.
 pub(super) fn paths(gathered: &mut Gathered, top: &Model) {

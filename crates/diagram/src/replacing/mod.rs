@@ -8,7 +8,7 @@ use blocksim_block::problem::{FileId, Problem};
 use blocksim_signal::{Dimension, Quantity, Unit, Value};
 
 use crate::scope::{Evaluation, Scope, noted};
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 pub(crate) use unit::Place;
 pub use unit::WrittenUnit;

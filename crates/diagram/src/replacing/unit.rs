@@ -6,7 +6,7 @@ use blocksim_block::problem::FileId;
 use blocksim_signal::{Dimension, Unit};
 
 use crate::scope::{Scope, described, noted, read_tree};
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 /// How deep files and names may refer to each other.
 const DEEPEST: usize = 20;

@@ -11,7 +11,7 @@ use crate::ast::{Ast, BlockAst};
 use crate::condition::{Condition, SetOutput, WhenEnabled};
 use crate::problems::list;
 use crate::scope::{Evaluation, Scope};
-use crate::tree::{Name, Node, Shape};
+use blocksim_syntax::{Name, Node, Shape};
 
 /// The condition has been reported as wrong.
 pub(super) struct Reported;

@@ -22,7 +22,7 @@ use crate::overrides::Override;
 use crate::problems::Problems;
 use crate::scope::{Evaluation, Scope, read_tree};
 use crate::source::Sources;
-use crate::tree::{Name, Node};
+use blocksim_syntax::{Name, Node};
 
 pub use hierarchy::HIERARCHY;
 

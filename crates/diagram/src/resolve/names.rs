@@ -7,7 +7,7 @@ use blocksim_signal::closest;
 use super::{HIERARCHY, Resolver};
 use crate::ast::{Ast, BlockAst};
 use crate::problems::{GUESSES, list, mended, mended_to};
-use crate::tree::{Name, Node};
+use blocksim_syntax::{Name, Node};
 
 /// The known name that means the same as one that is called otherwise elsewhere, unless the letters themselves say which is meant.
 fn meaning<'a>(name: &str, known: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {

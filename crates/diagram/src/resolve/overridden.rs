@@ -14,7 +14,7 @@ use crate::overrides::{Override, replace};
 use crate::problems::list;
 use crate::replacing::{Place as Where, Replacing};
 use crate::scope::{Evaluation, Scope, choices};
-use crate::tree::{Name, Node, Shape};
+use blocksim_syntax::{Name, Node, Shape};
 
 impl<'a> Resolver<'a> {
     /// Parameters with those replaced that the command line names.

@@ -10,11 +10,11 @@ use serde::Deserialize;
 
 use super::Resolver;
 use crate::ast::{Ast, BlockAst};
-use crate::de::{Numbers, Reading, Tagged, Written};
+use crate::de::{Noted, Numbers, Reading, Tagged, Written};
 use crate::model::Content;
 use crate::scope::Scope;
 use crate::source::BlockFiles;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 impl<'a> Resolver<'a> {
     pub(super) fn primitive(
@@ -29,9 +29,16 @@ impl<'a> Resolver<'a> {
             return Content::Unknown;
         };
         let parameters = self.block_overrides(block, info, (ast.file, scope), path);
-        if !self.names_fit(ast, block, info, &parameters) {
-            return Content::Unknown;
-        }
+        let names_fit = self.names_fit(ast, block, info, &parameters);
+        // A wrong name does not hide what is wrong with the values of others; one that stands twice has been reported.
+        let mut rest: Vec<&str> = info.parameters.iter().map(|parameter| parameter.name).collect();
+        let parameters = parameters
+            .into_iter()
+            .filter(|(name, _)| {
+                let at = rest.iter().position(|known| *known == name.text);
+                at.map(|at| rest.swap_remove(at)).is_some()
+            })
+            .collect();
         let node =
             Node { span: block.span.clone(), value: Shape::Struct(Some(block.kind.clone()), parameters) };
         let reading = Reading::new(scope.clone(), ast.file, Some(info)).strict(self.strict);
@@ -39,14 +46,17 @@ impl<'a> Resolver<'a> {
         let kind = match Box::<dyn BlockKind>::deserialize(Tagged { kind: &block.kind.text, body }) {
             Ok(kind) => kind,
             Err(noted) => {
-                let problem = reading
-                    .problem
-                    .take()
-                    .unwrap_or_else(|| Problem::error("parameter", noted.0).at(&ast.place(&block.span), ""));
-                self.report(self.about_override(problem, path));
+                // Those that are missing have been reported.
+                let noted = if names_fit { noted } else { Noted::default() };
+                for problem in reading.problems(noted, &ast.place(&block.span)) {
+                    self.report(self.about_override(problem, path));
+                }
                 return Content::Unknown;
             }
         };
+        if !names_fit {
+            return Content::Unknown;
+        }
         for problem in reading.bare.take() {
             self.report(problem.note(format!("in block `{path}` ({})", block.kind.text)));
         }

@@ -9,7 +9,7 @@ use crate::ast::{Ast, BlockAst};
 use crate::mentions::Event;
 use crate::model::{Content, Model};
 use crate::scope::{Scope, missing_file};
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 impl<'a> Resolver<'a> {
     pub(super) fn subsystem(

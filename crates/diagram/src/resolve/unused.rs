@@ -8,7 +8,7 @@ use blocksim_signal::closest;
 
 use super::Resolver;
 use crate::scope::{Scope, described};
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 /// Parameters that commands ask for by their names: a description of the robot, and what stands around it.
 const OF_COMMANDS: [&str; 2] = ["manipulator", "surroundings"];

@@ -12,7 +12,7 @@ use crate::mentions::Event;
 use crate::model::{Content, ModelBlock, VariantChoice};
 use crate::problems::list;
 use crate::scope::{Evaluation, Scope};
-use crate::tree::{Name, Node, Shape};
+use blocksim_syntax::{Name, Node, Shape};
 
 impl<'a> Resolver<'a> {
     pub(super) fn variant(

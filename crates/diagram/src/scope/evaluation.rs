@@ -7,7 +7,7 @@ use blocksim_signal::{Quantity, Value, closest, surely};
 
 use super::{Scope, expression, missing_file, read_tree};
 use crate::problems::{list, unknown_member};
-use crate::tree::{Name, Node, Shape};
+use blocksim_syntax::{Name, Node, Shape};
 
 /// Names that go with `value` in a number that says where it comes from.
 const PROVENANCE: [&str; 4] = ["source", "note", "tolerance", "published"];

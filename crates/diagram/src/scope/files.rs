@@ -6,12 +6,13 @@ use std::rc::Rc;
 use blocksim_block::problem::{FileId, Place, Problem};
 
 use crate::overrides::SET;
+use crate::problems::not_ron;
 use crate::source::Sources;
-use crate::tree::Node;
+use blocksim_syntax::Node;
 
 /// Reads a file as a tree.
 pub(crate) fn read_tree(sources: &Sources, file: FileId) -> Result<Rc<Node>, Problem> {
-    sources.tree(file).map_err(|error| error.problem(file))
+    sources.tree(file).map_err(|error| not_ron(error, file))
 }
 
 /// A file that cannot be read.

@@ -13,7 +13,7 @@ use blocksim_signal::{Part, Value};
 use indexmap::IndexMap;
 
 use crate::source::Sources;
-use crate::tree::{Name, Node};
+use blocksim_syntax::{Name, Node};
 
 pub(crate) use evaluation::{Evaluation, choices, described};
 pub(crate) use expression::{expression, noted};
@@ -208,7 +208,7 @@ fn segments(path: &str) -> impl Iterator<Item = &str> {
 mod tests {
     use super::*;
     use crate::toys::NoFiles;
-    use crate::tree::read;
+    use blocksim_syntax::read;
 
     const FILE: FileId = FileId(0);
 

@@ -18,7 +18,7 @@ use crate::ast::Ast;
 use crate::de::{Reading, Written, bare_number};
 use crate::problems::Problems;
 use crate::scope::Scope;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 use written::{Begin, Method, Output, Plain, Seconds, Simulation, Stop};
 
 /// Units of the numbers in `simulation`, for the checks that parameters of blocks have.
@@ -109,9 +109,16 @@ pub(crate) fn settings<'a>(
     let read = match Simulation::deserialize(Written::new(&reading, node)) {
         Ok(read) => read,
         Err(noted) => {
-            let problem =
-                reading.problem.take().unwrap_or_else(|| Problem::error("parameter", noted.0).at(&place, ""));
-            problems.push(problem);
+            problems.extend(reading.problems(noted, &place));
+            // One setting does not hide what is wrong with another. What is found twice is reported once.
+            for member in node.members().unwrap_or_default() {
+                let alone =
+                    Node { span: node.span.clone(), value: Shape::Struct(None, vec![member.clone()]) };
+                let reading = Reading::new(scope.clone(), ast.file, Some(&INFO));
+                if let Err(noted) = Simulation::deserialize(Written::new(&reading, &alone)) {
+                    problems.extend(reading.problems(noted, &place));
+                }
+            }
             return default;
         }
     };
@@ -301,9 +308,9 @@ mod tests {
     use crate::ast::parse;
     use crate::source::Sources;
     use crate::toys::{NoFiles, messages};
-    use crate::tree::read;
     use blocksim_block::methods::METHODS;
     use blocksim_block::problem::FileId;
+    use blocksim_syntax::read;
 
     /// Settings and messages of `simulation: (...)` where the last move ends at `end`.
     fn read_settings(simulation: &str, end: Option<f64>) -> (Settings, Vec<String>) {

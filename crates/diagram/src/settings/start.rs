@@ -6,10 +6,10 @@ use blocksim_signal::{Dimension, Kind, closest};
 
 use crate::ast::Ast;
 use crate::problems::Problems;
-use crate::tree::{Node, Shape};
+use blocksim_syntax::{Node, Shape};
 
 /// One number among the signals of a schedule.
-struct Cell {
+struct HeldCell {
     cell: usize,
     kind: Kind,
     dimension: Option<Dimension>,
@@ -18,7 +18,7 @@ struct Cell {
 /// Finds what a steady start names.
 pub(crate) fn resolve(ast: &Ast, schedule: &mut Schedule, problems: &mut Problems) {
     let Start::Steady(mut steady) = std::mem::take(&mut schedule.settings.start) else { return };
-    let written = Written { ast };
+    let written = Lists { ast };
     let Steady { hold, free, drift } = &mut steady;
     for held in hold.iter_mut() {
         if let Err(problem) = find_held(held, schedule) {
@@ -51,7 +51,7 @@ pub(crate) fn resolve(ast: &Ast, schedule: &mut Schedule, problems: &mut Problem
 
 fn find_held(held: &mut Held, schedule: &Schedule) -> Result<(), Problem> {
     let name = &held.name;
-    let Some(Cell { cell, kind, dimension }) = signal(schedule, name) else {
+    let Some(HeldCell { cell, kind, dimension }) = signal(schedule, name) else {
         let paths = schedule.signals.iter().map(|signal| signal.path.as_str());
         let recorded = schedule.recorded.iter().map(|recorded| recorded.path.as_str());
         let problem = Problem::error("unknown_signal", format!("`hold` names no signal: `{name}`"));
@@ -122,9 +122,9 @@ fn unknown_constant<'a>(name: &str, constants: impl Iterator<Item = &'a Instance
 }
 
 /// The number that is recorded under a name, or an output; of a vector one element, `arm.q[2]`.
-fn signal(schedule: &Schedule, name: &str) -> Option<Cell> {
+fn signal(schedule: &Schedule, name: &str) -> Option<HeldCell> {
     if let Some(recorded) = schedule.recorded.iter().find(|recorded| recorded.path == name) {
-        return Some(Cell { cell: recorded.cell, kind: recorded.kind, dimension: recorded.dimension });
+        return Some(HeldCell { cell: recorded.cell, kind: recorded.kind, dimension: recorded.dimension });
     }
     let (path, element) = split_element(name);
     let signal = schedule.signals.iter().find(|signal| signal.path == path)?;
@@ -132,7 +132,7 @@ fn signal(schedule: &Schedule, name: &str) -> Option<Cell> {
         None if signal.shape.len() == 1 => 0,
         element => element.filter(|element| *element < signal.shape.len())?,
     };
-    Some(Cell { cell: signal.offset + element, kind: signal.kind, dimension: signal.dimension })
+    Some(HeldCell { cell: signal.offset + element, kind: signal.kind, dimension: signal.dimension })
 }
 
 /// Path and element of `arm.q[2]`.
@@ -163,11 +163,11 @@ fn states(schedule: &Schedule) -> Vec<String> {
 }
 
 /// What is written of the start.
-struct Written<'a> {
+struct Lists<'a> {
     ast: &'a Ast,
 }
 
-impl Written<'_> {
+impl Lists<'_> {
     /// Where a name stands in one of the lists.
     fn place(&self, list: &str, name: &str) -> Place {
         let member = |node: &Node, wanted: &str| {

@@ -6,7 +6,7 @@ use blocksim_block::problem::{FileId, Place};
 
 use super::{Site, Spelling};
 use crate::ast::BlockAst;
-use crate::tree::{Name, Node};
+use blocksim_syntax::{Name, Node};
 
 /// A parameter of a block: behind the last one, or in parentheses of its own.
 pub(super) fn parameter(block: &BlockAst, file: FileId, text: &str, name: &str) -> Site {

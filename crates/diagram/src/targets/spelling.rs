@@ -4,7 +4,7 @@ use blocksim_signal::{Dimension, Lookup, Scope, Unit, Value, evaluate_noted};
 
 use super::Target;
 use crate::replacing::{WrittenUnit, in_unit};
-use crate::tree::{Shape, SyntaxError, read};
+use blocksim_syntax::{Shape, SyntaxError, read};
 
 /// How a value is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -78,7 +78,7 @@ fn a_value_is_written_as_a_person_would_write_it() {
             let mut text = sources.file(site.place.file).text.to_string();
             let new = spelled(target, value).map_err(|(said, _)| said)?;
             text.replace_range(site.place.span.clone(), &format!("{}{new}{}", site.before, site.after));
-            crate::tree::read(&text).map_err(|error| error.message)?;
+            blocksim_syntax::read(&text).map_err(|error| error.message)?;
             Ok::<_, String>(text)
         };
         let line = |name: &str, value: &str, expected: &str| {

@@ -16,7 +16,7 @@ use crate::replacing::{Place as Where, WrittenUnit};
 use crate::resolve::{Instance, Resolver};
 use crate::scope::{Evaluation, Scope, described, read_tree};
 use crate::source::Sources;
-use crate::tree::{Name, Node, Shape};
+use blocksim_syntax::{Name, Node, Shape};
 
 /// Longest list whose items are targets, and how deep files may name each other.
 const ITEMS: usize = 100;

@@ -1,6 +1,6 @@
 //! From the elements of all members to islands of two-pins.
 
-use blocksim_block::physical::{Domain, Element, Handle, Pin, Place};
+use blocksim_block::physical::{Domain, Element, ElementPlace, Handle, Pin};
 use petgraph::unionfind::UnionFind;
 
 use super::{
@@ -30,7 +30,8 @@ pub(super) fn collect(m: &Members, fed: &[bool]) -> Electrics {
         for (index, element) in of_member.part.elements.iter().enumerate() {
             let characteristic = matches!(element, Element::Characteristic { .. })
                 .then(|| electrics.characteristics.len() - characteristics);
-            let place = |handle: Handle| Place { handle, two_pin: pieces.len() - two_pins, characteristic };
+            let place =
+                |handle: Handle| ElementPlace { handle, two_pin: pieces.len() - two_pins, characteristic };
             let names = of_member.part.handles.iter().filter(|(_, of)| *of == index);
             named.extend(names.map(|(handle, _)| place(*handle)));
             let first = pieces.len();

@@ -62,7 +62,7 @@ mod sparse;
 
 use std::ops::Range;
 
-use blocksim_block::physical::{Domain, Place, ValveKind};
+use blocksim_block::physical::{Domain, ElementPlace, ValveKind};
 
 use crate::assembly::eliminate::Form;
 use crate::assembly::members::Members;
@@ -103,7 +103,7 @@ pub(crate) struct Places {
     /// Characteristics.
     pub characteristics: Range<usize>,
     /// Elements that have a name.
-    pub named: Vec<Place>,
+    pub named: Vec<ElementPlace>,
     /// Whether each two-pin is a resistance or a valve, whose heat the network books; nothing where the member has no port for it.
     pub dissipates: Vec<bool>,
     /// The island, if it has electrical elements.

@@ -2,8 +2,8 @@ mod ports;
 
 use blocksim_block::{BlockInfo, ParameterInfo, in_diagram, kinds};
 use blocksim_diagram::HIERARCHY;
-use blocksim_results::{Align, Table};
 use blocksim_signal::closest;
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use crate::args::manual::BlocksArgs;

@@ -2,7 +2,7 @@
 
 use blocksim_block::{BlockInfo, Input, Interface, Output, PortType};
 use blocksim_diagram::example_interface;
-use blocksim_results::{Align, Table};
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use crate::terminal::prose::{one_line, wrapped};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use blocksim_block::problem::Problem;
-use blocksim_diagram::{Options, Reader, SourceFile, Sources, Units, compile_with, read_tree};
+use blocksim_diagram::{Options, Reader, SourceFile, Sources, Units, compile_with};
 
 use crate::args::model::{CheckArgs, Format, ModelArgs};
 use crate::disk::{Disk, Overlaid, readable, write_file};
@@ -121,7 +121,7 @@ fn mended(
         text.replace_range(*start..*end, new);
     }
     // A text that could be read stays one.
-    if read_tree(&file.text).is_ok() && read_tree(&text).is_err() {
+    if blocksim_syntax::read(&file.text).is_ok() && blocksim_syntax::read(&text).is_err() {
         return Some(Err(Contradiction));
     }
     Some(Ok((text, edits.len())))

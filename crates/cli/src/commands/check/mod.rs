@@ -2,7 +2,7 @@ mod fix;
 
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::Options;
-use blocksim_results::format::count;
+use blocksim_numbers::format::count;
 use serde_json::json;
 
 use super::tell_with;

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use blocksim_blocks::robotics::Surroundings;
 use blocksim_diagram::Sources;
-use blocksim_results::{Run, locate};
+use blocksim_recording::{Run, locate};
 
 use crate::args::collisions::CollisionsArgs;
 use crate::args::values::RUNS;

@@ -1,8 +1,8 @@
 //! What is said of contacts and distances: to people, as data.
 
 use blocksim_collision::Nearest;
-use blocksim_results::format::fixed;
-use blocksim_results::{Align, Table};
+use blocksim_numbers::format::fixed;
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use super::Looked;

@@ -4,8 +4,8 @@ mod table;
 mod verdict;
 
 use blocksim_analysis::{Series, lag};
-use blocksim_plot::{Theme, svg};
-use blocksim_results::{ALWAYS, Column};
+use blocksim_picture::{Theme, svg};
+use blocksim_recording::{ALWAYS, Column};
 
 use self::table::Comparison;
 use self::verdict::judge;

@@ -1,10 +1,11 @@
 //! The result of a comparison: to people, to programs, as a drawing.
 
 use blocksim_analysis::{Deviation, Interpolation, Series, refined, together};
-use blocksim_plot::{Figure, Line, Panel, Strip, Style, thinned};
+use blocksim_numbers::format::{count, significant};
+use blocksim_picture::{Figure, Line, Panel, Strip, Style, thinned};
+use blocksim_recording::{ALWAYS, Column};
 use blocksim_report::{Compared, Rows};
-use blocksim_results::format::{count, significant};
-use blocksim_results::{ALWAYS, Align, Column, Table};
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use super::verdict::{Found, Verdict, rule, without_turns};

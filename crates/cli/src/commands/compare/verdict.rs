@@ -1,7 +1,7 @@
 //! What is found about each signal.
 
 use blocksim_analysis::{Comparison, Instants, Interpolation, Rule, Series, brought_together, compare};
-use blocksim_results::{ALWAYS, Column};
+use blocksim_recording::{ALWAYS, Column};
 use blocksim_signal::Unit;
 
 use crate::args::plot::{Between, CompareArgs, Sync};

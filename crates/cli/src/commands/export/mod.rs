@@ -4,7 +4,8 @@ use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use blocksim_results::{ResultsError, Run, locate, resampled, write_mat, write_run_csv, write_whole};
+use blocksim_export::{resampled, write_mat, write_run_csv};
+use blocksim_recording::{ResultsError, Run, locate, write_whole};
 
 use crate::args::export::{ExportArgs, ExportWhat};
 use crate::args::values::RUNS;
@@ -98,7 +99,7 @@ fn write(
         let file = if number == 0 { file.clone() } else { numbered(file, number + 1) };
         files.push(fresh(&file, |w| match args.parquet {
             #[cfg(feature = "parquet")]
-            Some(_) => blocksim_results::write_parquet(w, run, base, &of_base, range),
+            Some(_) => blocksim_export::write_parquet(w, run, base, &of_base, range),
             _ => write_run_csv(w, run, base, &of_base, range),
         })?);
     }

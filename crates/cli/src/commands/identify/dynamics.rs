@@ -6,7 +6,7 @@ use blocksim_identify::{
     BaseParameters, Excitation, Fourier, IdentifyError, JointRange, Random, Sample, excitation, identify,
     prediction_error,
 };
-use blocksim_results::format::significant;
+use blocksim_numbers::format::significant;
 use serde_json::json;
 
 use super::bench::{Bench, Experiment, Rows};

@@ -2,7 +2,7 @@
 
 use blocksim_identify::{BaseParameters, Recording, Treated, identify, prediction_error};
 use blocksim_motion::AxisKind;
-use blocksim_results::format::significant;
+use blocksim_numbers::format::significant;
 use serde_json::json;
 
 use super::dynamics::{SAMPLES, no_base, root_mean_square};

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use blocksim_identify::{BaseParameters, Identified};
-use blocksim_results::format::significant;
-use blocksim_results::{Align, Table};
+use blocksim_numbers::format::significant;
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use crate::terminal::render::plural;

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use blocksim_identify::{DriveFit, DriveSample, Estimate, Recording, drive};
 use blocksim_motion::AxisKind;
-use blocksim_results::format::significant;
-use blocksim_results::{Align, Table as Printed};
+use blocksim_numbers::format::significant;
+use blocksim_terminal::{Align, Table as Printed};
 use serde_json::json;
 
 use super::dynamics_recorded::{described, recording};

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use blocksim_identify::Estimate;
-use blocksim_results::format::significant;
-use blocksim_results::{Align, Table};
+use blocksim_numbers::format::significant;
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use super::axis_friction::AxisFriction;

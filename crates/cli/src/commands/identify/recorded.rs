@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use blocksim_blocks::robotics::RobotDescription;
 use blocksim_diagram::{Sources, parameter};
 use blocksim_identify::on_grid;
-use blocksim_results::ALWAYS;
+use blocksim_recording::ALWAYS;
 use blocksim_signal::{Unit, closest};
 
 use super::super::plot::open;

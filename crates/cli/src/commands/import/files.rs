@@ -11,7 +11,7 @@ use blocksim_import::{
     Chain, Differences, Files, Mechanism, MeshFile, Provenance, diagram, differences, file_name, named_in,
     parameters, robot,
 };
-use blocksim_results::{MOST_TEXT, clock::iso, limited_bytes, limited_text, write_whole};
+use blocksim_recording::{MOST_TEXT, clock::iso, limited_bytes, limited_text, write_whole};
 
 use crate::args::import::ImportArgs;
 use crate::disk::unwritable;

@@ -8,7 +8,7 @@ use std::path::Path;
 use blocksim_block::problem::Problem;
 use blocksim_import::simscape::DataFile;
 use blocksim_import::{Fault, chain, meshes, simscape, smidata, urdf};
-use blocksim_results::{MOST_TEXT, limited_bytes};
+use blocksim_recording::{MOST_TEXT, limited_bytes};
 
 use crate::args::import::{ImportArgs, Kind};
 use crate::exit::Exit;

@@ -1,8 +1,8 @@
 //! Magnitude and phase over frequency as a drawing.
 
 use blocksim_linear::Margins;
-use blocksim_plot::{Across, Figure, Line, Panel, Style, Theme, svg};
-use blocksim_results::format::fixed;
+use blocksim_numbers::format::fixed;
+use blocksim_picture::{Across, Figure, Line, Panel, Style, Theme, svg};
 
 use super::Found;
 use super::facts::{decibels, degrees};

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use blocksim_linear::{Channel, Complex, poles};
-use blocksim_plot::{Line, Mark, Plane, Sign, Theme, plane_svg};
-use blocksim_results::format::significant;
-use blocksim_results::{Align, Table};
+use blocksim_numbers::format::significant;
+use blocksim_picture::{Line, Mark, Plane, Sign, Theme, plane_svg};
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use super::data::complex;

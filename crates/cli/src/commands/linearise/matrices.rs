@@ -339,8 +339,8 @@ pub(super) fn slopes(
             "{} over {}: {} below, {} above",
             labels.rows[row],
             labels.columns[column],
-            blocksim_results::format::significant(left, 4),
-            blocksim_results::format::significant(right, 4)
+            blocksim_numbers::format::significant(left, 4),
+            blocksim_numbers::format::significant(right, 4)
         )
     });
     Ok(Slopes { system, accuracy: slopes.accuracy(), kinks: kinks.collect(), method })

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use blocksim_linear::{Complex, Gain};
-use blocksim_plot::{Label, Line, Mark, Plane, Sign, Style, Theme, plane_svg};
-use blocksim_results::format::significant;
+use blocksim_numbers::format::significant;
+use blocksim_picture::{Label, Line, Mark, Plane, Sign, Style, Theme, plane_svg};
 
 use super::Found;
 use super::bode::title;

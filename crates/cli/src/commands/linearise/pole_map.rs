@@ -1,7 +1,7 @@
 //! Poles and zeros in the complex plane as a drawing.
 
 use blocksim_linear::Complex;
-use blocksim_plot::{Label, Line, Mark, Plane, Sign, Style, Theme, plane_svg};
+use blocksim_picture::{Label, Line, Mark, Plane, Sign, Style, Theme, plane_svg};
 
 use super::Found;
 use super::bode::title;

@@ -1,8 +1,8 @@
 //! What is found, for a person.
 
 use blocksim_linear::{Complex, Gain, Margin, Margins, Mode};
-use blocksim_results::format::{fixed, significant};
-use blocksim_results::{Align, PlotOptions, Series, Table, plot};
+use blocksim_numbers::format::{fixed, significant};
+use blocksim_terminal::{Align, PlotOptions, Series, Table, plot};
 
 use super::Found;
 use super::facts::{Dead, Law, Way, decibels, degrees};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use blocksim_block::problem::Problem;
 use blocksim_params::{Change, Comparison, Conflict, Fault, Known, Spot};
-use blocksim_results::{Align, Table};
+use blocksim_terminal::{Align, Table};
 
 use crate::exit::Exit;
 use crate::failure::Failure;

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use blocksim_params::{Quantity, difference};
-use blocksim_results::{Align, Table};
+use blocksim_terminal::{Align, Table};
 
 use super::changes::faulty;
 use super::files::{is_workbook, read_set, read_workbook};

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use blocksim_block::problem::{FileId, Place, Problem};
-use blocksim_diagram::{Origin, Reader, SourceFile, Sources, Spelling, Target, read_tree, targets};
+use blocksim_diagram::{Origin, Reader, SourceFile, Sources, Spelling, Target, targets};
 #[cfg(feature = "xlsx")]
 use blocksim_params::{Arrangement, open_workbook};
 use blocksim_params::{Change, Content, Quantity, SetError, Tables, edited, quantities, quantities_at};
-use blocksim_results::limited_bytes;
+use blocksim_recording::limited_bytes;
 use blocksim_signal::Value;
 
 use crate::disk::{Disk, readable, reason};
@@ -114,7 +114,7 @@ fn text(path: &Path) -> Result<String, Failure> {
 /// Why it cannot be read.
 pub fn read_set(path: &Path) -> Result<Set, Failure> {
     let text = text(path)?;
-    if read_tree(&text).is_ok_and(|root| root.word() == Some("Diagram")) {
+    if blocksim_syntax::read(&text).is_ok_and(|root| root.word() == Some("Diagram")) {
         return read_model(path);
     }
     match quantities(&text) {

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use blocksim_block::problem::Problem;
-use blocksim_diagram::{Found, SourceFile, Sources, Target, compile, find, read_tree, spelled, targets};
+use blocksim_diagram::{Found, SourceFile, Sources, Target, compile, find, spelled, targets};
 
 use super::table::unknown;
 use crate::args::params::SetArgs;
@@ -118,7 +118,7 @@ pub fn edit(model: &Path, name: &str, value: &str, all: bool, console: Console) 
     }
     disk.texts.insert(path.clone(), new.clone());
     let sources = Sources::new(&disk);
-    let (is_diagram, problems) = match read_tree(&new) {
+    let (is_diagram, problems) = match blocksim_syntax::read(&new) {
         Ok(_) if is_set(&sources, model) => (false, targets(&sources, model).1),
         _ => (true, compile(&sources, model, &[]).problems),
     };
@@ -153,5 +153,5 @@ fn changed(text: &str, target: &Target, new: &str) -> String {
 /// Whether the file is a set of values, which cannot be compiled.
 fn is_set(sources: &Sources, model: &Path) -> bool {
     let text = sources.open(model).map(|file| sources.file(file).text);
-    text.is_ok_and(|text| read_tree(&text).is_ok_and(|root| root.word() != Some("Diagram")))
+    text.is_ok_and(|text| blocksim_syntax::read(&text).is_ok_and(|root| root.word() != Some("Diagram")))
 }

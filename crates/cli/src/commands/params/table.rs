@@ -4,8 +4,8 @@ use std::path::Path;
 
 use blocksim_block::problem::Place;
 use blocksim_diagram::{Origin, Target, WrittenUnit};
-use blocksim_results::{Align, Table};
 use blocksim_signal::{Quantity, Unit, Value};
+use blocksim_terminal::{Align, Table};
 use serde_json::json;
 
 use crate::failure::Failure;

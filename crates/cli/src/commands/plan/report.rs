@@ -1,10 +1,10 @@
 //! What is told of a planned move, and the file that is written.
 
 use blocksim_motion::AxisKind;
+use blocksim_numbers::format::significant;
 use blocksim_planner::{
     AxisExtremes, Chosen, Course, Finding, Findings, Review, Severity, Tried, configuration_word,
 };
-use blocksim_results::format::significant;
 use blocksim_robot::Robot;
 use serde_json::{Value, json};
 

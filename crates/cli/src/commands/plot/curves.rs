@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::RangeInclusive;
 
 use blocksim_analysis::{Interpolation, Series, continued, together, with_gaps, without_jumps};
-use blocksim_results::Column;
+use blocksim_recording::Column;
 use blocksim_signal::Unit;
 
 use super::groups::Group;

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use blocksim_plot::{pairs, pretty_unit};
+use blocksim_picture::{pairs, pretty_unit};
 
 use crate::args::plot::Layout;
 use crate::signals::headings::headings;

@@ -3,8 +3,9 @@
 use std::ops::RangeInclusive;
 
 use blocksim_analysis::{Metrics, metrics};
-use blocksim_results::format::{fixed, seconds, significant};
-use blocksim_results::{Align, Column, Kind, Table};
+use blocksim_numbers::format::{fixed, seconds, significant};
+use blocksim_recording::{Column, Kind};
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use super::curves::{Drawn, followed, going_on};

@@ -9,8 +9,8 @@ mod terminal;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use blocksim_plot::{Theme, svg};
-use blocksim_results::Column;
+use blocksim_picture::{Theme, svg};
+use blocksim_recording::Column;
 use blocksim_signal::closest;
 
 use self::curves::{Drawn, add_once, read};
@@ -114,7 +114,7 @@ pub fn open(name: &str, maps: &[Mapping]) -> Result<Book, Failure> {
 }
 
 fn locate(name: &str) -> Result<PathBuf, Failure> {
-    blocksim_results::locate(name, Path::new(RUNS)).map_err(|error| Failure::of_run(&error))
+    blocksim_recording::locate(name, Path::new(RUNS)).map_err(|error| Failure::of_run(&error))
 }
 
 /// Signals that only the 3D view of a run needs.

@@ -2,9 +2,9 @@
 
 use std::ops::RangeInclusive;
 
-use blocksim_plot::{Figure, Line, Panel, PlaneAxis, Strip, Style, thinned};
-use blocksim_results::Column;
-use blocksim_results::format::{count, significant};
+use blocksim_numbers::format::{count, significant};
+use blocksim_picture::{Figure, Line, Panel, PlaneAxis, Strip, Style, thinned};
+use blocksim_recording::Column;
 
 use super::curves::{Drawn, agree, error, with_breaks};
 use crate::signals::traces::Book;

@@ -1,6 +1,6 @@
 //! Pictures for the terminal.
 
-use blocksim_results::{PlotOptions, Series};
+use blocksim_terminal::{PlotOptions, Series};
 
 use std::borrow::Cow;
 
@@ -53,7 +53,7 @@ fn plot(drawn: &Drawn, books: &[Book], console: Console) -> String {
     let height = if group.over.is_some() { PLANE_ROWS } else { ROWS };
     let options =
         PlotOptions { title: &title, x_label: &across, width, height, ascii, ..PlotOptions::default() };
-    let mut text = blocksim_results::plot(&series, &options);
+    let mut text = blocksim_terminal::plot(&series, &options);
     let errors: Vec<_> = group
         .pairs
         .iter()
@@ -66,7 +66,7 @@ fn plot(drawn: &Drawn, books: &[Book], console: Console) -> String {
     // What is not finite has been told above.
     if series.iter().any(|s| s.y.iter().any(|y| y.is_finite())) {
         let finite = PlotOptions { title: "", height: ERROR_ROWS, ..options };
-        text.push_str(&blocksim_results::plot(&series, &finite));
+        text.push_str(&blocksim_terminal::plot(&series, &finite));
     }
     text
 }

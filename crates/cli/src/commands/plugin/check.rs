@@ -5,7 +5,7 @@ use std::path::Path;
 
 use blocksim_block::ParamValue;
 use blocksim_host::{Examined, Verdict, examine};
-use blocksim_results::format::significant;
+use blocksim_numbers::format::significant;
 use serde_json::{Value, json};
 
 use crate::args::plugin::PluginCheckArgs;

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use blocksim_block::{CodePolicy, Decision, LoadError};
 use blocksim_host::{Kind, Library, Quantity, offer, open, recalled};
-use blocksim_results::format::significant;
-use blocksim_results::{Align, Table};
+use blocksim_numbers::format::significant;
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use crate::args::plugin::{PluginShowArgs, TargetName};

@@ -1,8 +1,8 @@
 //! A second recording beside the first: its values in the pictures of the first.
 
 use blocksim_analysis::{Interpolation, Series, refined};
+use blocksim_recording::{Column, Kind};
 use blocksim_report::{Compared, Report, Role};
-use blocksim_results::{Column, Kind};
 
 use crate::commands::plot::curves::agree;
 use crate::failure::Failure;

@@ -3,11 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use blocksim_block::BlockInfo;
-use blocksim_diagram::{Content, Model, ModelBlock, Shape, Sources, origins};
+use blocksim_diagram::{Content, Model, ModelBlock, Sources, origins};
 use blocksim_drawing::{Level as Drawable, Look, all_levels, inline, style_sheet};
 use blocksim_layout::layout;
 use blocksim_report::{Drawing, Inspected, Kind, Level, Net, Probe, Report};
 use blocksim_signal::Dimension;
+use blocksim_syntax::Shape;
 
 use super::numbers::shortest;
 use super::source_text::{line, set_for, written};

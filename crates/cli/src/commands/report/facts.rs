@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use blocksim_diagram::fingerprint;
+use blocksim_numbers::format::{count, duration, fixed, significant, simulated};
+use blocksim_recording::{Ended, MOST_TEXT, Manifest, Run, limited_bytes, limited_text};
 use blocksim_report::{Report, Rows};
-use blocksim_results::format::{count, duration, fixed, significant, simulated};
-use blocksim_results::{Ended, MOST_TEXT, Manifest, Run, limited_bytes, limited_text};
 
 use crate::running::solver;
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use blocksim_recording::limited_bytes;
 use blocksim_report::Surface;
-use blocksim_results::limited_bytes;
 use blocksim_scene::mesh::{self, Packed, simplified};
 use serde_json::{Value, json};
 

@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 
 use blocksim_blocks::robotics::Surroundings;
 use blocksim_diagram::Sources;
+use blocksim_recording::{ResultsError, Run, locate, read_foreign_file, write_whole};
 use blocksim_report::{BUDGET, Event, Overlay, Report, html};
-use blocksim_results::{ResultsError, Run, locate, read_foreign_file, write_whole};
 
 use self::titles::Titles;
 use crate::args::report::ReportArgs;
@@ -175,7 +175,7 @@ fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) 
     }
     match run.events() {
         Ok(events) => {
-            let event = |e: blocksim_results::EventRow| Event { time: e.time, path: e.path, what: e.what };
+            let event = |e: blocksim_recording::EventRow| Event { time: e.time, path: e.path, what: e.what };
             report.events = events.into_iter().map(event).collect();
         }
         Err(error) => report.warnings.push(format!("The events cannot be read: {}.", error.reason())),

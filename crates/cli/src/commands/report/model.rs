@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use blocksim_diagram::{Model, Sources};
+use blocksim_recording::Manifest;
 use blocksim_report::Report;
-use blocksim_results::Manifest;
 
 use super::{diagram, tables};
 use crate::mechanism::text;

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use blocksim_analysis::{Interpolation, Series};
 use blocksim_blocks::robotics::Surroundings;
+use blocksim_recording::{ALWAYS, Column, Run};
 use blocksim_report::{Animation, Contact};
-use blocksim_results::{ALWAYS, Column, Run};
 
 use super::meshes::{MeshSources, surfaces};
 use super::numbers::readable;

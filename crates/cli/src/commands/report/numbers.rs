@@ -1,6 +1,6 @@
 //! Numbers as a page shows them: without raw exponents, with a true minus sign.
 
-use blocksim_results::format::significant;
+use blocksim_numbers::format::significant;
 
 /// A number with so many significant digits.
 pub fn readable(x: f64, digits: usize) -> String {

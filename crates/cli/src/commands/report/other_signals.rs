@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use blocksim_plot::pretty_unit;
+use blocksim_picture::pretty_unit;
+use blocksim_recording::ALWAYS;
 use blocksim_report::{Report, Unseen, few};
-use blocksim_results::ALWAYS;
 
 use crate::failure::Failure;
 use crate::signals::traces::Book;

@@ -1,10 +1,10 @@
 //! The pictures of a run as its scopes define them, and how its set values are followed.
 
 use blocksim_analysis::jumps;
-use blocksim_plot::{Theme, pretty_unit, svg};
+use blocksim_numbers::format::fixed;
+use blocksim_picture::{Theme, pretty_unit, svg};
+use blocksim_recording::{ALWAYS, Column};
 use blocksim_report::{Panel, PlanePicture, Report, Role, Rows, Series, telling_rows};
-use blocksim_results::format::fixed;
-use blocksim_results::{ALWAYS, Column};
 use blocksim_signal::Unit;
 
 use super::numbers::{readable, shortest};
@@ -93,7 +93,7 @@ fn plane(drawn: Drawn, books: &[Book; 1]) -> PlanePicture {
     let title =
         if panel.title.is_empty() { "One signal over another".to_owned() } else { panel.title.clone() };
     let [light, dark] = [Theme::Light, Theme::Dark].map(|theme| {
-        let panel = blocksim_plot::Panel { title: String::new(), ..panel.clone() };
+        let panel = blocksim_picture::Panel { title: String::new(), ..panel.clone() };
         svg(&figure(vec![panel], String::new(), (0.0, 1.0), Some(1), PLANE_WIDTH), theme)
     });
     PlanePicture { title, light, dark }

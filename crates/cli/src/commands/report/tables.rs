@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use blocksim_block::problem::{FileId, Place};
-use blocksim_diagram::{Model, Name, Node, Shape, Sources, read_tree};
+use blocksim_diagram::{Model, Sources};
 use blocksim_report::Rows;
+use blocksim_syntax::{Name, Node, Shape};
 
 use super::source_text::{line, one_line, set_for};
 
@@ -78,7 +79,7 @@ impl List<'_> {
     fn file(&mut self, name: &str, node: &Node, path: &str, file: FileId, depth: usize) {
         let whole = self.sources.folder(file).join(Path::new(path));
         let opened = if depth < DEEPEST { self.sources.open(&whole).ok() } else { None };
-        let tree = opened.and_then(|id| Some((id, read_tree(&self.sources.file(id).text).ok()?)));
+        let tree = opened.and_then(|id| Some((id, blocksim_syntax::read(&self.sources.file(id).text).ok()?)));
         match tree {
             Some((id, tree)) => self.add(name, &tree, id, depth + 1),
             None => self.row(name, node, file, path.to_owned(), String::new()),

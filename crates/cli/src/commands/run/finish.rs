@@ -2,8 +2,8 @@
 
 use crate::commands::tell;
 use blocksim_block::schedule::Recorded;
-use blocksim_results::STORE;
-use blocksim_results::format::ordinal;
+use blocksim_numbers::format::ordinal;
+use blocksim_recording::STORE;
 
 use super::prepare::Setup;
 use super::simulate::Simulated;

@@ -6,7 +6,7 @@ mod prepare;
 mod simulate;
 mod verify;
 
-use blocksim_results::ResultsError;
+use blocksim_recording::ResultsError;
 
 use self::prepare::Setup;
 use self::simulate::End;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use blocksim_block::schedule::Schedule;
-use blocksim_results::{ResultsError, RunFolder, probe};
+use blocksim_recording::{ResultsError, RunFolder, probe};
 use blocksim_scene::Scene;
 use blocksim_sim::Simulation;
 

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::Schedule;
 use blocksim_host::{Cause, Death};
-use blocksim_results::{Ended, EventRow, Manifest, ResultsError, Run, STORE, Store, clock};
+use blocksim_recording::{Ended, EventRow, Manifest, ResultsError, Run, STORE, Store, clock};
 use blocksim_sim::{Counts, Findings, Simulation};
 
 use super::prepare::Setup;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use blocksim_block::schedule::{Schedule, Solver};
 use blocksim_host::Death;
-use blocksim_results::format::significant;
+use blocksim_numbers::format::significant;
 use blocksim_sim::{Control, Difference, SimError, Verification};
 use serde_json::{Value, json};
 

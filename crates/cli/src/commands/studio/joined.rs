@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use blocksim_diagram::fingerprint;
-use blocksim_results::limited_text;
+use blocksim_recording::limited_text;
 use blocksim_studio::{Token, address as address_of};
 use serde_json::{Value, json};
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use blocksim_diagram::fingerprint;
-use blocksim_results::format::{duration, simulated};
-use blocksim_results::{Kept, history, limited_bytes};
+use blocksim_numbers::format::{duration, simulated};
+use blocksim_recording::{Kept, history, limited_bytes};
 use serde_json::{Value, json};
 
 use super::model::{Shown, written};
@@ -137,7 +137,7 @@ fn last_run(file: &Path) -> Option<Kept> {
 fn freshness(kept: &Kept) -> (&'static str, String) {
     let Some(manifest) = &kept.manifest else { return ("stale", "nothing is known of it".to_owned()) };
     let took = format!("{} in {}", simulated(manifest.simulated_time), duration(manifest.wall_time));
-    let has_changed = |used: &&blocksim_results::FileUsed| {
+    let has_changed = |used: &&blocksim_recording::FileUsed| {
         let bytes = limited_bytes(Path::new(&used.path), u64::from(u32::MAX));
         !used.hash.is_empty() && bytes.is_ok_and(|bytes| fingerprint(&bytes) != used.hash)
     };

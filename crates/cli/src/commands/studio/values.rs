@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use blocksim_diagram::{Origin, Sources, Target, targets};
-use blocksim_results::{MOST_TEXT, limited_text};
+use blocksim_recording::{MOST_TEXT, limited_text};
 use blocksim_studio::Reply;
 use serde_json::{Value, json};
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use blocksim_analysis::{Metrics, metrics, statistics, without_jumps};
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{Recorded, Schedule};
-use blocksim_results::Ended as How;
+use blocksim_recording::Ended as How;
 use blocksim_sim::{Ended, SimError, Simulation};
 
 use super::rows::{Both, Rows};

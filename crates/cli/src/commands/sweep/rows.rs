@@ -1,6 +1,6 @@
 //! Where the rows of a run of a sweep go.
 
-use blocksim_results::Recording;
+use blocksim_recording::Recording;
 use blocksim_sim::{Control, Counts, Observer};
 
 use super::runs::Keeping;

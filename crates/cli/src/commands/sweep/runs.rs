@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use blocksim_block::schedule::Schedule;
-use blocksim_results::{
+use blocksim_recording::{
     Ended, EventRow, Manifest, Recording, ResultsError, Run, RunFolder, STORE, Store, clock, probe,
 };
 use blocksim_scene::Scene;

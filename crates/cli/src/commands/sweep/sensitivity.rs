@@ -2,11 +2,11 @@
 
 use blocksim_block::schedule::{Recorded, Schedule};
 use blocksim_diagram::{Found, Sources, Target, WrittenUnit, find, targets};
-use blocksim_plot::{Figure, Line, Panel, Style, svg};
-use blocksim_results::format::significant;
-use blocksim_results::{Align, PlotOptions, Series, Table, plot};
+use blocksim_numbers::format::significant;
+use blocksim_picture::{Figure, Line, Panel, Style, svg};
 use blocksim_signal::{Dimension, Kind, Unit};
 use blocksim_sim::{Control, DISTANCES, Sensitivity, SimError};
+use blocksim_terminal::{Align, PlotOptions, Series, Table, plot};
 use serde_json::{Value, json};
 
 use super::refused;

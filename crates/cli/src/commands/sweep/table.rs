@@ -1,7 +1,7 @@
 //! The table of a sweep: to people, as CSV, as data.
 
-use blocksim_results::format::significant;
-use blocksim_results::{Align, Table};
+use blocksim_numbers::format::significant;
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use super::measure::{Lost, Measured};

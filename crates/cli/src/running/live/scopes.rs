@@ -1,7 +1,7 @@
 //! What the scopes of a model show: the same pictures as those of the page of a run, before there is a run.
 
 use blocksim_block::schedule::Schedule;
-use blocksim_plot::pretty_unit;
+use blocksim_picture::pretty_unit;
 use blocksim_report::{Panel, Role, Series};
 use blocksim_signal::Unit;
 use serde_json::{Value, json};

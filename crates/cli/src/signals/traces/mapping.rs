@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use blocksim_results::{MOST_TEXT, limited_text};
+use blocksim_recording::{MOST_TEXT, limited_text};
 
 use crate::failure::Failure;
 

@@ -8,7 +8,7 @@ pub use mapping::{Mapping, mappings};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use blocksim_results::{Column, Kind, Run, SignalInfo};
+use blocksim_recording::{Column, Kind, Run, SignalInfo};
 use blocksim_signal::Unit;
 
 use crate::failure::Failure;

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use blocksim_results::{Column, Kind, read_foreign_file};
+use blocksim_recording::{Column, Kind, read_foreign_file};
 use blocksim_signal::{Dimension, Unit};
 
 use super::{Mapping, Trace, shown_in};

@@ -7,8 +7,8 @@ use blocksim_diagram::{Options, Reader, Sources, compile_and_keep};
 use blocksim_drawing::{inline, level_at};
 use blocksim_layout::layout;
 use blocksim_picture::Theme;
-use blocksim_plot::{Figure, Line, Panel, svg, thinned};
-use blocksim_results::Recording;
+use blocksim_picture::{Figure, Line, Panel, svg, thinned};
+use blocksim_recording::Recording;
 use blocksim_sim::{Observer, Simulation};
 
 use crate::signals::display::{Shown, recording, shown as paired};
@@ -79,7 +79,7 @@ fn figure(signals: &[Shown], time: &[f64], end: f64) -> Figure {
         if panel.lines.len() == LINES {
             continue;
         }
-        let is_stepped = !matches!(signal.kind, blocksim_results::Kind::Real);
+        let is_stepped = !matches!(signal.kind, blocksim_recording::Kind::Real);
         let courses = thinned(time, &signal.values(), &(0.0..=end), COLUMNS, is_stepped);
         let name = signal.legend.unwrap_or(signal.port()).to_owned();
         panel.lines.push(Line { name, colour: panel.lines.len(), courses, ..Line::default() });

@@ -1,0 +1,3 @@
+//! The reader from outside.
+
+mod ron_reads_the_same;
