@@ -159,12 +159,18 @@ impl<'de> Visitor<'de> for Struct<'_, 'de> {
     fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<(), M::Error> {
         // One value that is wrong does not hide another: whoever gives the values keeps what is wrong with each.
         let mut first = None;
-        while let Some(index) = map.next_key_seed(Name(self.names))? {
-            if let Err(error) = (self.read)(index, &mut Of(&mut map)) {
-                first.get_or_insert(error);
+        loop {
+            match map.next_key_seed(Name(self.names)) {
+                Ok(Some(index)) => {
+                    if let Err(error) = (self.read)(index, &mut Of(&mut map)) {
+                        first.get_or_insert(error);
+                    }
+                }
+                Ok(None) => return first.map_or(Ok(()), |error| Err(error.raise())),
+                // Not every source can go on behind a value that is wrong; what it meets there is no other mistake.
+                Err(error) => return Err(first.map_or(error, ReadError::raise)),
             }
         }
-        first.map_or(Ok(()), |error| Err(error.raise()))
     }
 }
 
