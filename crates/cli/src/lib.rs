@@ -75,6 +75,7 @@ fn done(args: &Args, console: Console) -> Outcome {
         Some(Command::Studio(args)) => commands::studio(args, console),
         Some(Command::Report(args)) => commands::report(args, console),
         Some(Command::Plot(args)) => commands::plot(args, console),
+        Some(Command::Grade(args)) => commands::grade(args, console),
         Some(Command::Compare(args)) => commands::compare(args, console),
         Some(Command::Collisions(args)) => commands::collisions(args, console),
         Some(Command::Check(args)) if args.watch => {

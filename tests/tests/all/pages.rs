@@ -10,7 +10,7 @@ use blocksim_sim::Simulation;
 use blocksim_tests::{Desk, root, run};
 
 /// Pages without a diagram that could fail here, and why.
-const WITHOUT_DIAGRAM: [(&str, &str); 27] = [
+const WITHOUT_DIAGRAM: [(&str, &str); 28] = [
     ("bare_number", "is an error by an option; the tests of the program run it"),
     ("coupling_error", "is told at the end of a run, and tested with inverters"),
     ("exists", "comes from a command; the tests of the program run it"),
@@ -30,6 +30,7 @@ const WITHOUT_DIAGRAM: [(&str, &str); 27] = [
     ("plugin_symbol", "needs a library of something else"),
     ("plugin_untrusted", "needs a plug-in"),
     ("settings", "comes from the command line; the compiler refuses such numbers before"),
+    ("grade", "comes from a command; the tests of the program run it"),
     ("studio", "comes from a command; the tests of the program run it"),
     ("tuning", "comes from a command; the tests of the program run it"),
     ("unreadable", "comes from a command; the tests of the program run it"),

@@ -4,6 +4,7 @@ pub mod collisions;
 pub mod export;
 pub mod export_c;
 pub mod fmt;
+pub mod grade;
 pub mod graph;
 pub mod identify;
 pub mod import;
@@ -26,6 +27,7 @@ use clap::{Parser, Subcommand};
 use self::collisions::CollisionsArgs;
 use self::export::{ExportArgs, RunsArgs};
 use self::fmt::FmtArgs;
+use self::grade::GradeArgs;
 use self::graph::GraphArgs;
 use self::identify::IdentifyCommand;
 use self::import::ImportArgs;
@@ -76,6 +78,8 @@ pub enum Command {
     Report(ReportArgs),
     /// Compare two runs or tables within tolerances.
     Compare(CompareArgs),
+    /// Run many projects apart from each other, compare each with a reference, and make one page.
+    Grade(GradeArgs),
     /// List the contacts of a run, when and how deep, and clearances.
     Collisions(CollisionsArgs),
     /// Run a model over values of its parameters, and table how it follows its set values.
@@ -138,6 +142,7 @@ impl Args {
             Some(Command::Run(args)) => args.json,
             Some(Command::Plot(args)) => args.json,
             Some(Command::Compare(args)) => args.json,
+            Some(Command::Grade(args)) => args.json,
             Some(Command::Collisions(args)) => args.json,
             Some(Command::Sweep(args)) => args.json,
             Some(Command::Linearise(args)) => args.json,

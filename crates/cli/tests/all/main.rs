@@ -11,6 +11,8 @@ mod export_c;
 mod faults;
 mod fix;
 mod fmt;
+#[cfg(unix)]
+mod grade;
 mod held_signals;
 mod help;
 mod identify;

@@ -1,0 +1,40 @@
+//! The command line of `blocksim grade`.
+
+use std::path::PathBuf;
+
+use super::values::{positive, time};
+
+/// `blocksim grade`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  blocksim grade students --against reference/loop.ron --rel 1e-2\n  \
+                  blocksim grade students --against loop.ron --signals 'scope.*' --limit 30s --out graded"
+)]
+pub struct GradeArgs {
+    /// A folder with a folder for each project.
+    pub folder: PathBuf,
+    /// The model that the others are compared with; in each project the one of the same name is run.
+    #[arg(long, value_name = "MODEL")]
+    pub against: PathBuf,
+    /// Folder for the runs and the page, which must be new or empty.
+    #[arg(short, long, value_name = "DIR", default_value = "graded")]
+    pub out: PathBuf,
+    /// Signals that are compared; without it all that both record.
+    #[arg(long, value_name = "PATTERN", value_delimiter = ',')]
+    pub signals: Vec<String>,
+    /// Absolute tolerance, in the unit in which a signal is shown.
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub abs: Option<f64>,
+    /// Relative tolerance; without both, 1e-3.
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub rel: Option<f64>,
+    /// Longest time that a project may take to be built and to run.
+    #[arg(long, value_name = "TIME", value_parser = time, default_value = "60s")]
+    pub limit: f64,
+    /// Longest time that a call of a plug-in may take.
+    #[arg(long, value_name = "TIME", value_parser = time, default_value = "1s")]
+    pub call_limit: f64,
+    /// Print a JSON object for each project.
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,94 @@
+//! `blocksim grade` as a teacher calls it.
+
+use std::fs;
+
+use crate::desk::Desk;
+
+/// A loop with a gain.
+fn model(gain: &str) -> String {
+    format!(
+        r#"Diagram(
+    simulation: (stop_time: "2 s"),
+    blocks: {{ "demand": Step(time: "0.5 s", after: "90 deg"), "error": Sum(signs: "+-"), "gain": Gain(k: "{gain}"),
+               "angle": Integrator(), "scope": Scope(inputs: ["set", "actual"], display: "deg") }},
+    connections: ["demand.y -> error.u1, scope.set", "angle.y -> error.u2, scope.actual", "error.y -> gain.u", "gain.y -> angle.u"],
+)
+"#
+    )
+}
+
+fn class() -> Desk {
+    let desk = Desk::with(&[("loop.ron", &model("6 1/s"))]);
+    let hand_in = |name: &str, text: Option<&str>| {
+        let folder = desk.0.join("students").join(name);
+        fs::create_dir_all(&folder).expect("a folder");
+        if let Some(text) = text {
+            fs::write(folder.join("loop.ron"), text).expect("a model");
+        }
+    };
+    hand_in("anna", Some(&model("6 1/s")));
+    hand_in("bert", Some(&model("5 1/s")));
+    hand_in("carl <b>", Some(&model("6 kg")));
+    hand_in("dora", None);
+    // A step for each microsecond of a year.
+    let endless = model("6 1/s").replace("\"2 s\"", "\"1e7 s\", solver: Ode4(step: \"1 us\")");
+    hand_in("emil", Some(&endless));
+    desk
+}
+
+#[test]
+fn each_project_is_run_and_compared_and_none_stops_the_others() {
+    let desk = class();
+    let call = ["grade", "students", "--against", "loop.ron", "--limit", "3s", "--out", "graded"];
+    let answer = desk.call(&call);
+    assert_eq!(answer.code, Some(1), "{}", answer.err);
+    let lines: Vec<&str> = answer.out.lines().collect();
+    assert!(lines[0].starts_with("anna ") && lines[0].ends_with("agrees"), "{lines:?}");
+    assert!(lines[1].starts_with("bert ") && lines[1].contains("differs") && lines[1].contains("`scope.actual` by 6.0"), "{lines:?}");
+    assert!(lines[2].contains("fails") && lines[2].contains("kg"), "{lines:?}");
+    assert!(lines[3].contains("missing") && lines[3].contains("there is no `students/dora/loop.ron`"), "{lines:?}");
+    assert!(lines[4].contains("too slow") && lines[4].contains("3 s"), "{lines:?}");
+    assert_eq!(lines[5], "1 of 5 projects agree; the page is graded/index.html");
+    let page = desk.read("graded/index.html");
+    // What projects are called is text.
+    assert!(page.contains("carl &lt;b&gt;") && !page.contains("carl <b>"), "{page}");
+    for file in ["anna.svg", "anna.html", "bert.svg", "bert.html"] {
+        assert!(desk.0.join("graded").join(file).is_file() && page.contains(file), "{file}");
+    }
+    // Results are not overwritten.
+    let again = desk.call(&call);
+    assert_eq!(again.code, Some(4));
+    assert!(again.err.contains("`graded` is not empty"), "{}", again.err);
+}
+
+#[test]
+fn tolerances_and_signals_decide_and_programs_can_read_it() {
+    let desk = class();
+    let words = ["grade", "students", "--against", "loop.ron", "--limit", "3s", "--json", "--abs", "7"];
+    let answer = desk.call(&words);
+    let told: Vec<serde_json::Value> = answer.out.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let verdicts: Vec<&str> = told.iter().map(|one| one["verdict"].as_str().expect("a word")).collect();
+    assert_eq!(verdicts, ["agrees", "agrees", "fails", "missing", "too slow"]);
+    assert_eq!(told[1]["comparison"]["signals"][1]["signal"], "scope.actual");
+    let words = ["grade", "students", "--against", "loop.ron", "--limit", "3s", "--signals", "scope.set", "--out", "set", "--json"];
+    let answer = desk.call(&words);
+    assert!(answer.out.lines().nth(1).is_some_and(|line| line.contains("\"verdict\":\"agrees\"")), "{}", answer.out);
+}
+
+#[test]
+fn what_cannot_be_graded_is_explained() {
+    let desk = Desk::with(&[("loop.ron", &model("6 kg"))]);
+    fs::create_dir_all(desk.0.join("students/anna")).expect("a folder");
+    fs::create_dir_all(desk.0.join("nobody")).expect("a folder");
+    for (folder, against, told) in [
+        ("nobody", "loop.ron", "there are no projects in `nobody`"),
+        ("students", "loop.ron", "the reference `loop.ron` cannot be used"),
+        ("students", "none.ron", "the file does not exist"),
+        ("missing", "loop.ron", "cannot read `missing`"),
+    ] {
+        let answer = desk.call(&["grade", folder, "--against", against, "--out", "out"]);
+        assert!(answer.code.is_some_and(|code| code != 0 && code != 101), "{}", answer.err);
+        assert!(answer.err.contains(told), "{told}: {}", answer.err);
+        let _ = fs::remove_dir_all(desk.0.join("out"));
+    }
+}
