@@ -6,10 +6,8 @@ use super::values::{positive, time};
 
 /// `blocksim grade`.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Examples:\n  blocksim grade students --against reference/loop.ron --rel 1e-2\n  \
-                  blocksim grade students --against loop.ron --signals 'scope.*' --limit 30s --out graded"
-)]
+#[command(after_help = "Examples:\n  blocksim grade students --against reference/loop.ron --rel 1e-2\n  \
+                  blocksim grade students --against loop.ron --signals 'scope.*' --limit 30s --out graded")]
 pub struct GradeArgs {
     /// A folder with a folder for each project.
     pub folder: PathBuf,

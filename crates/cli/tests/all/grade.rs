@@ -44,9 +44,17 @@ fn each_project_is_run_and_compared_and_none_stops_the_others() {
     assert_eq!(answer.code, Some(1), "{}", answer.err);
     let lines: Vec<&str> = answer.out.lines().collect();
     assert!(lines[0].starts_with("anna ") && lines[0].ends_with("agrees"), "{lines:?}");
-    assert!(lines[1].starts_with("bert ") && lines[1].contains("differs") && lines[1].contains("`scope.actual` by 6.0"), "{lines:?}");
+    assert!(
+        lines[1].starts_with("bert ")
+            && lines[1].contains("differs")
+            && lines[1].contains("`scope.actual` by 6.0"),
+        "{lines:?}"
+    );
     assert!(lines[2].contains("fails") && lines[2].contains("kg"), "{lines:?}");
-    assert!(lines[3].contains("missing") && lines[3].contains("there is no `students/dora/loop.ron`"), "{lines:?}");
+    assert!(
+        lines[3].contains("missing") && lines[3].contains("there is no `students/dora/loop.ron`"),
+        "{lines:?}"
+    );
     assert!(lines[4].contains("too slow") && lines[4].contains("3 s"), "{lines:?}");
     assert_eq!(lines[5], "1 of 5 projects agree; the page is graded/index.html");
     let page = desk.read("graded/index.html");
@@ -66,13 +74,30 @@ fn tolerances_and_signals_decide_and_programs_can_read_it() {
     let desk = class();
     let words = ["grade", "students", "--against", "loop.ron", "--limit", "3s", "--json", "--abs", "7"];
     let answer = desk.call(&words);
-    let told: Vec<serde_json::Value> = answer.out.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let told: Vec<serde_json::Value> =
+        answer.out.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
     let verdicts: Vec<&str> = told.iter().map(|one| one["verdict"].as_str().expect("a word")).collect();
     assert_eq!(verdicts, ["agrees", "agrees", "fails", "missing", "too slow"]);
     assert_eq!(told[1]["comparison"]["signals"][1]["signal"], "scope.actual");
-    let words = ["grade", "students", "--against", "loop.ron", "--limit", "3s", "--signals", "scope.set", "--out", "set", "--json"];
+    let words = [
+        "grade",
+        "students",
+        "--against",
+        "loop.ron",
+        "--limit",
+        "3s",
+        "--signals",
+        "scope.set",
+        "--out",
+        "set",
+        "--json",
+    ];
     let answer = desk.call(&words);
-    assert!(answer.out.lines().nth(1).is_some_and(|line| line.contains("\"verdict\":\"agrees\"")), "{}", answer.out);
+    assert!(
+        answer.out.lines().nth(1).is_some_and(|line| line.contains("\"verdict\":\"agrees\"")),
+        "{}",
+        answer.out
+    );
 }
 
 #[test]

@@ -78,6 +78,7 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ("--watch", "runs until a person ends it"),
     ("blocksim studio", "serves until a person ends it"),
     ("--open", "opens a browser"),
+    ("blocksim grade", "the folders of the class are those of the reader; its own tests grade one"),
     ("robot_DataFile.m", "the data file is written by a CAD program"),
     ("arm.ron --from log.csv", "the model and the log are those of the reader"),
     ("lag.ron", "the file stands on the page; a test of `fmt` compares it"),

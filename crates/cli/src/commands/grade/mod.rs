@@ -114,7 +114,11 @@ pub fn grade(args: &GradeArgs, console: Console) -> Outcome {
     let good = all.iter().filter(|graded| graded.verdict == Verdict::Agrees).count();
     if !args.json {
         let place = args.out.join("index.html");
-        console.data(&format!("{good} of {} agree; the page is {}\n", plural(all.len(), "project"), place.display()))?;
+        console.data(&format!(
+            "{good} of {} agree; the page is {}\n",
+            plural(all.len(), "project"),
+            place.display()
+        ))?;
     }
     Ok(if good == all.len() { Exit::Done } else { Exit::Failed })
 }
@@ -157,12 +161,19 @@ fn empty(out: &Path) -> Result<(), Failure> {
 
 fn run(model: &Path, out: &Path, args: &GradeArgs, limit: Duration) -> Result<Said, Failure> {
     let call = args.call_limit.to_string();
-    let mut words: Vec<&std::ffi::OsStr> = vec!["run".as_ref(), model.as_os_str(), "--out".as_ref(), out.as_os_str()];
+    let mut words: Vec<&std::ffi::OsStr> =
+        vec!["run".as_ref(), model.as_os_str(), "--out".as_ref(), out.as_os_str()];
     words.extend(["--isolate", "--call-limit", &call, "--json", "--no-csv"].map(std::ffi::OsStr::new));
     said(&words, limit)
 }
 
-fn one(project: &str, model: &Path, reference: &Path, args: &GradeArgs, limit: Duration) -> Result<Graded, Failure> {
+fn one(
+    project: &str,
+    model: &Path,
+    reference: &Path,
+    args: &GradeArgs,
+    limit: Duration,
+) -> Result<Graded, Failure> {
     let mut graded = Graded {
         name: project.to_owned(),
         verdict: Verdict::Missing,
@@ -186,7 +197,8 @@ fn one(project: &str, model: &Path, reference: &Path, args: &GradeArgs, limit: D
     let usual = USUAL.to_string();
     let (picture, page) = (args.out.join(format!("{project}.svg")), args.out.join(format!("{project}.html")));
     let signals = args.signals.join(",");
-    let mut words: Vec<&std::ffi::OsStr> = vec!["compare".as_ref(), reference.as_os_str(), out.as_os_str(), "--json".as_ref()];
+    let mut words: Vec<&std::ffi::OsStr> =
+        vec!["compare".as_ref(), reference.as_os_str(), out.as_os_str(), "--json".as_ref()];
     words.extend(["--svg".as_ref(), picture.as_os_str(), "--html".as_ref(), page.as_os_str()]);
     match (&abs, &rel) {
         (None, None) => words.extend(["--rel".as_ref(), std::ffi::OsStr::new(&usual)]),
@@ -221,9 +233,14 @@ fn differs(found: &Value) -> String {
     let signals = found["signals"].as_array().map(Vec::as_slice).unwrap_or_default();
     let apart: Vec<&Value> = signals.iter().filter(|signal| signal["agrees"] != true).collect();
     let Some(first) = apart.first() else { return "signals are missing".to_owned() };
-    let (path, unit) = (first["signal"].as_str().unwrap_or_default(), first["unit"].as_str().unwrap_or_default());
+    let (path, unit) =
+        (first["signal"].as_str().unwrap_or_default(), first["unit"].as_str().unwrap_or_default());
     let most = &first["maximum"];
-    let more = if apart.len() > 1 { format!(", and {} more", plural(apart.len() - 1, "signal")) } else { String::new() };
+    let more = if apart.len() > 1 {
+        format!(", and {} more", plural(apart.len() - 1, "signal"))
+    } else {
+        String::new()
+    };
     match (most["difference"].as_f64(), most["time"].as_f64()) {
         (Some(difference), Some(time)) => {
             let unit = if unit == "1" { String::new() } else { format!(" {unit}") };

@@ -1,7 +1,7 @@
 //! The page of all projects. It has no scripts, and shows what projects say as text.
 
-use blocksim_report::escape;
 use blocksim_numbers::format::{duration, significant};
+use blocksim_report::escape;
 
 use super::{Graded, Verdict};
 use crate::args::grade::GradeArgs;
