@@ -67,7 +67,7 @@ R.Diagram = (() => {
     return made;
   };
   /** The name of a parameter; where it can be changed it leads there. @param {string} path @param {string} own */
-  const named = (path, own) => R.change ? button(own, () => R.change(`${path}.${own}`)) : own;
+  const named = (path, own) => { const { change } = R; return change ? button(own, () => change(`${path}.${own}`)) : own; };
   /** Values of a wire that go with the time. @param {number} at */
   const courses = (at) => R.Wires.on(level, at).map((/** @type {any} */ { element, signal }) => {
     const value = R.make('b', {}, signal.say());

@@ -218,7 +218,7 @@
     if (!view) return;
     const home = robot.axes.map((/** @type {any} */ axis) => String(Number(axis.start.toFixed(4))));
     const tool = robot.tool.map((/** @type {number} */ x) => String(Number(x.toFixed(3))));
-    typed ??= { kind: 'joint', from: [...home], to: [...home], velocity: '40 %', acceleration: '30 %', point: [...tool], via: [...tool], orientation: 'free', profile: 'sin2', speed: '250 mm/s', share: '40 %', resolution: '1 mm' };
+    typed ??= { kind: 'joint', from: [...home], to: [...home], velocity: '40 %', acceleration: '30 %', point: [...tool], via: [...tool], orientation: 'free', profile: 'sin2', speed: '250 mm/s', share: '20 %', resolution: '1 mm' };
     place.form = R.make('div', { class: 'move-form' });
     place.result = R.make('div', { class: 'move-result', 'aria-live': 'polite' });
     place.plot = R.make('div', { class: 'card' });

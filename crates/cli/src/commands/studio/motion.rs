@@ -118,7 +118,7 @@ fn command(model: &Path, body: &Value) -> Result<PlanCommand, Reply> {
                 orientation: one("orientation", "free"),
                 rotation: None,
                 velocity: one("speed", "250 mm/s"),
-                acceleration: one("share", "40 %"),
+                acceleration: one("share", "20 %"),
                 rotation_velocity: None,
                 rotation_acceleration: None,
                 profile: one("profile", "sin2"),
