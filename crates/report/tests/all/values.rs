@@ -204,7 +204,9 @@ fn truth_values_have_a_lane_each_and_keep_their_values() {
         }],
         ..Report::default()
     };
-    let script = "const [panel] = R.Plots.panels; R.setTime(1); await new Promise((ok) => setTimeout(ok, 300));
+    // A busy machine takes its time to draw.
+    let script = "const [panel] = R.Plots.panels; R.setTime(1);
+        for (let n = 0; n < 100 && document.querySelector('.entry b')?.textContent !== '1'; n++) await new Promise((ok) => setTimeout(ok, 50));
         return [panel.lanes, [...panel.main.data[1]], [...panel.main.data[2]],
           [...document.querySelectorAll('.entry b')].map((b) => b.textContent)].map((all) => all.join(', ')).join('\\n');";
     let Some(said) = answer_of(&report, "lanes", script) else { return };
