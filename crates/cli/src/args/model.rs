@@ -74,7 +74,8 @@ pub struct RunArgs {
     pub out: Option<PathBuf>,
     /// Change a parameter while the run goes on, at a time: `0.5s:pid.kp=12`; may be repeated.
     /// Numbers may change, but not what blocks and states there are; values at the start act no more.
-    #[arg(long, value_name = "TIME:TARGET=VALUE", value_parser = change, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME:TARGET=VALUE", value_parser = change, allow_hyphen_values = true,
+        conflicts_with_all = ["audit", "verify"])]
     pub change: Vec<(f64, String)>,
     /// Signals to keep, of those that the diagram records: parts of their paths or patterns with `*`, separated by
     /// commas. A rate may follow: `arm/**@10ms`, `arm/**@10rows`, or the minimum and maximum with `@minmax:10ms`.

@@ -42,7 +42,7 @@ fn parameters_change_at_their_times_and_are_events() {
     );
     let untouched = desk.call(&["run", "decay.ron", "--quiet", "--out", "plain", "--change", "3s:k.k=5"]);
     assert_eq!(untouched.code, Some(0));
-    assert!((last(&desk, "plain") - (-2.0_f64).exp()).abs() < 1e-8, "a change behind the end is none");
+    assert!((last(&desk, "plain") - (-2.0_f64).exp()).abs() < 1e-8, "a change after the end has no effect");
 }
 
 #[test]
@@ -60,6 +60,11 @@ fn what_cannot_change_ends_the_run_with_the_reason_and_keeps_what_there_is() {
     let runs = desk.names("runs");
     assert_eq!(runs.len(), 3);
     assert!((last(&desk, &format!("runs/{}", runs[0])) - (-1.0_f64).exp()).abs() < 0.05, "up to about there");
+    // Both would judge a run without the changes.
+    for other in ["--audit", "--verify"] {
+        let answer = desk.call(&["run", "decay.ron", "--change", "1s:k.k=-2", other]);
+        assert_eq!(answer.code, Some(2), "{other}: {}", answer.err);
+    }
     for wrong in ["k.k=2", "soon:k.k=2", "-1s:k.k=2", "1s:k.k"] {
         let answer = desk.call(&["run", "decay.ron", "--change", wrong]);
         assert_eq!(answer.code, Some(2), "{wrong}: {}", answer.err);

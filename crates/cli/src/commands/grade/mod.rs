@@ -76,7 +76,7 @@ impl Verdict {
 /// Runs and compares all projects.
 ///
 /// # Errors
-/// If the reference does not run, or nothing can be written. That a project is bad is none.
+/// If the reference does not run, or nothing can be written. A bad project is not an error: it is reported with the others.
 pub fn grade(args: &GradeArgs, console: Console) -> Outcome {
     readable(&args.against)?;
     let Some(name) = args.against.file_name().map(PathBuf::from) else {

@@ -146,7 +146,7 @@ fn number(text: &str) -> String {
     }
 }
 
-/// Plans a move: what it is like, or why there is none, which is an answer as good as the other.
+/// Plans a move. A move that cannot be planned is a normal answer, with the reason, not a failed request.
 pub fn plan(model: &Path, body: &Value) -> Reply {
     let found = command(model, body).and_then(|command| consider(&command).map_err(refusal));
     match found {
