@@ -30,10 +30,26 @@ R.Plots = (() => {
   /** The range of a picture was changed by hand: the others follow. @param {number} min @param {number} max */
   const zoomed = (min, max) => { if (min !== range[0] || max !== range[1]) show(min, max); };
 
+  /** Lays out and draws pictures, those of one group under one heading. @param {HTMLElement} place @param {any[]} all */
+  const cards = (place, all) => {
+    let group = null, box = place;
+    // All cards are laid out before anything is drawn: a row that is not full yet is wider.
+    /** @type {(() => void)[]} */ const draw = [];
+    for (const panel of all) {
+      if (panel.group !== group) {
+        group = panel.group;
+        if (group) place.append(R.make('h3', {}, group));
+        box = R.make('div', { class: 'grid' });
+        place.append(box);
+      }
+      draw.push(...R.Picture.lay(panel, box));
+    }
+    for (const one of draw) one();
+  };
+
   const build = () => {
     const place = document.getElementById('plots');
     if (!place) return;
-    let group = null, box = place;
     let [begin, end] = [Infinity, -Infinity];
     for (const panel of R.data.panels) {
       panel.time = R.list(panel.time);
@@ -61,18 +77,7 @@ R.Plots = (() => {
     // Of a single instant the page shows a second.
     if (end >= begin) R.span = [begin, end > begin ? end : begin + 1];
     range = [...R.span];
-    // All cards are laid out before anything is drawn: a row that is not full yet is wider.
-    /** @type {(() => void)[]} */ const draw = [];
-    for (const panel of panels) {
-      if (panel.group !== group) {
-        group = panel.group;
-        if (group) place.append(R.make('h3', {}, group));
-        box = R.make('div', { class: 'grid' });
-        place.append(box);
-      }
-      draw.push(...R.Picture.lay(panel, box));
-    }
-    for (const one of draw) one();
+    cards(place, panels);
     for (const panel of panels) panel.stale = panel.time[0] !== R.span[0] || panel.time[panel.time.length - 1] !== R.span[1];
     // What is out of sight is brought up to date when it comes into sight.
     watch = new IntersectionObserver((all) => {
@@ -141,5 +146,5 @@ R.Plots = (() => {
     card?.scrollIntoView({ block: 'center' });
     card?.focus({ preventScroll: true });
   };
-  return { build, add, panels, show, zoomed, range: () => range, zoom, pan, redraw, find, all: () => show(...R.span) };
+  return { build, cards, add, panels, show, zoomed, range: () => range, zoom, pan, redraw, find, all: () => show(...R.span) };
 })();

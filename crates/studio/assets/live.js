@@ -30,26 +30,16 @@
     R.span = [0, until];
     const count = 1 + Math.max(-1, ...panels.flatMap((panel) => panel.series.map((/** @type {any} */ s) => s.column)));
     for (let n = 0; n <= count; n++) columns.push(new Float64Array(ROOM));
-    let group = null, box = place;
-    // All cards are laid out before anything is drawn: a row that is not full yet is wider.
-    /** @type {(() => void)[]} */ const draw = [];
     for (const panel of panels) {
       panel.time = columns[0].subarray(0, 0);
       for (const s of panel.series) s.values = panel.time;
       panel.byOrder = [...panel.series];
-      const pair = panel.series.findIndex((/** @type {any} */ s) => s.role === 'set') >= 0 && panel.series.length === 2;
+      const roles = panel.series.map((/** @type {any} */ s) => s.role).sort().join();
       panel.series.sort((/** @type {any} */ a, /** @type {any} */ b) => Number(a.role === 'set') - Number(b.role === 'set'));
-      panel.pair = pair ? [1, 0] : null;
-      if (pair) panel.series[0].error = panel.time;
-      if (panel.group !== group) {
-        group = panel.group;
-        if (group) place.append(R.make('h3', {}, group));
-        box = R.make('div', { class: 'grid' });
-        place.append(box);
-      }
-      draw.push(...R.Picture.lay(panel, box));
+      panel.pair = roles === 'actual,set' ? [1, 0] : null;
+      if (panel.pair) panel.series[0].error = panel.time;
     }
-    for (const one of draw) one();
+    R.Plots.cards(place, panels);
     // The range of times is that of the run; nobody zooms while it grows.
     for (const panel of panels) for (const u of [panel.main, panel.strip]) if (u) u.live = false;
     range();
@@ -89,7 +79,9 @@
       panel.main.setData([time, ...shown.map(plain)], false);
       if (panel.strip) {
         const [set, actual] = panel.pair.map((/** @type {number} */ at) => panel.series[at].values);
-        panel.strip.setData([time, plain(actual.map((/** @type {number} */ x, /** @type {number} */ n) => set[n] - x))], false);
+        // Where one has jumped by a turn and the other has not, a turn is no error.
+        const off = (/** @type {number} */ x) => panel.turn ? x - panel.turn * Math.round(x / panel.turn) : x;
+        panel.strip.setData([time, plain(actual.map((/** @type {number} */ x, /** @type {number} */ n) => off(set[n] - x)))], false);
       }
     }
     range();
