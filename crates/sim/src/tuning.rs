@@ -6,18 +6,22 @@
 
 use std::sync::Arc;
 
-use blocksim_block::schedule::Schedule;
+use blocksim_block::schedule::{Instance, Schedule};
 
 use crate::{Observer, SimError, Simulation};
 
 impl Simulation {
-    /// Goes on with other parameters: those of a schedule of the same diagram. Values at the start act no more. Sampled blocks
-    /// use theirs from their next hit on.
+    /// Goes on with other parameters: those of a schedule of the same diagram. Sampled blocks use theirs from their next hit on.
+    /// Returns the paths of blocks whose values at the start are others now, which have no effect any more.
     ///
     /// # Errors
     /// `tuning` if blocks, states, signals or sample times differ; the run is then as it was. Those of a major step, if one
     /// with these parameters cannot be made.
-    pub fn tune(&mut self, schedule: Arc<Schedule>, observer: &mut dyn Observer) -> Result<(), SimError> {
+    pub fn tune(
+        &mut self,
+        schedule: Arc<Schedule>,
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<String>, SimError> {
         if let Some(difference) = difference(&self.schedule, &schedule) {
             let message = format!("the parameters make another model: {difference}");
             let help = "run it from the start; while a run goes on, parameters may change numbers, not what there is";
@@ -26,8 +30,10 @@ impl Simulation {
         let mut next = Self::given(schedule)?;
         if !self.started {
             *self = next;
-            return Ok(());
+            return Ok(Vec::new());
         }
+        let begun = Self::given(Arc::clone(&self.schedule))?;
+        let without_effect = starting_otherwise(&begun, &next);
         next.t = self.t;
         next.x.clone_from(&self.x);
         next.diagram.d.clone_from(&self.diagram.d);
@@ -57,8 +63,19 @@ impl Simulation {
         next.interrupted = self.interrupted;
         next.begin_anew(observer)?;
         *self = next;
-        Ok(())
+        Ok(without_effect)
     }
+}
+
+/// Paths of the blocks that would start with other states.
+fn starting_otherwise(one: &Simulation, other: &Simulation) -> Vec<String> {
+    let differs = |block: &&Instance| {
+        let states = block.x..block.x + block.interface.states.len();
+        let discrete = block.d..block.d + block.interface.discrete.len();
+        one.x[states.clone()] != other.x[states]
+            || one.diagram.d[discrete.clone()] != other.diagram.d[discrete]
+    };
+    one.schedule.blocks.iter().filter(differs).map(|block| block.path.clone()).collect()
 }
 
 /// What makes it impossible to carry states over; nothing if they mean the same in both.
@@ -67,7 +84,7 @@ fn difference(now: &Schedule, next: &Schedule) -> Option<String> {
         if one.path != other.path || one.kind != other.kind {
             return Some(format!("`{}` stands where `{}` stood", other.path, one.path));
         }
-        let names = |block: &blocksim_block::schedule::Instance| -> Vec<String> {
+        let names = |block: &Instance| -> Vec<String> {
             let states = block.interface.states.iter().map(|state| state.name.clone());
             let discrete = block.interface.discrete.iter().map(|state| state.name().into_owned());
             states.chain(discrete).collect()

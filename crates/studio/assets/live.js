@@ -151,9 +151,9 @@
     told();
     Desk.on('scopes', (/** @type {any} */ data) => { R.guarded('The scopes', () => scopes(data)); });
     Desk.on('rows', add);
-    Desk.on('tuned', (/** @type {any} */ { t, set, refused, help }) => {
+    Desk.on('tuned', (/** @type {any} */ { t, set, refused, help, without_effect: lost }) => {
       const one = knobs.get(set.split('=')[0]);
-      if (one) { one.told.textContent = refused ? [refused, help].filter(Boolean).join(' – ') : `since ${R.say(t)} s`; one.told.classList.toggle('bad', Boolean(refused)); }
+      if (one) { one.told.textContent = refused ? [refused, help].filter(Boolean).join(' – ') : `since ${R.say(t)} s${lost?.length ? `; values at the start of ${lost.join(', ')} have no effect any more` : ''}`; one.told.classList.toggle('bad', Boolean(refused)); }
     });
     Desk.on('run', renew);
     R.onTheme.push(() => { for (const panel of panels) for (const u of [panel.main, panel.strip]) u?.redraw(false, true); });

@@ -102,6 +102,17 @@ fn constants_initial_values_and_limits() {
 }
 
 #[test]
+fn values_at_the_start_that_have_no_effect_are_named() {
+    let text = decay("-1 1/s", "Ode4(step: \"1 ms\")");
+    let mut simulation = Simulation::new(schedule(&text)).expect("a start");
+    let mut watch = Watch { stop: Some(0.5), ..Watch::default() };
+    simulation.run(&mut watch).expect("a run");
+    let mut tune = |text: String| simulation.tune(schedule(&text), &mut watch).expect("the same shape");
+    assert_eq!(tune(text.replace("-1 1/s", "-2 1/s")), Vec::<String>::new());
+    assert_eq!(tune(text.replace("x0: 1", "x0: 7")), ["x"]);
+}
+
+#[test]
 fn a_sampled_controller_goes_on_as_with_a_gain_that_is_a_signal() {
     let text = |gain: &str, solver: &str| {
         format!(

@@ -73,7 +73,7 @@ pub struct RunArgs {
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Change a parameter while the run goes on, at a time: `0.5s:pid.kp=12`; may be repeated.
-    /// Numbers may change, but not what blocks and states there are; values at the start act no more.
+    /// Numbers may change, but not which blocks and states there are; values at the start have no effect any more.
     #[arg(long, value_name = "TIME:TARGET=VALUE", value_parser = change, allow_hyphen_values = true,
         conflicts_with_all = ["audit", "verify"])]
     pub change: Vec<(f64, String)>,

@@ -6,7 +6,7 @@ use blocksim_recording::{EventRow, RecordingError, Stream};
 use blocksim_sim::{Control, Counts, Observer};
 
 use crate::running::interrupt;
-use crate::running::tuning::{self, Planned, Tunes};
+use crate::running::tuning::{self, Came, Planned, Tunes};
 use crate::terminal::progress::Progress;
 
 /// Rows and events of a run on their way to the disk, and who is told how far it is.
@@ -91,13 +91,13 @@ impl Tunes for WithChanges<'_> {
         if self.refused.is_some() { None } else { self.planned.next(t) }
     }
 
-    fn tuned(&mut self, t: f64, set: &str, refused: Option<(String, Option<String>)>) {
-        match refused {
-            None => {
-                let (target, what) = tuning::event(set);
+    fn tuned(&mut self, t: f64, set: &str, came: Came) {
+        match came {
+            Ok(without_effect) => {
+                let (target, what) = tuning::event(set, &without_effect);
                 self.recorder.event(t, target, &what);
             }
-            Some((why, help)) => {
+            Err((why, help)) => {
                 self.refused = Some((format!("`{set}` cannot be set at {t} s: {why}"), help));
             }
         }

@@ -11,8 +11,11 @@ use crate::args::model::{ModelArgs, SolverArgs};
 use crate::disk::{Disk, Overlaid};
 use crate::failure::Failure;
 use crate::running::{interrupt, solver};
-use crate::terminal::render::errors;
 use crate::trust::{Plugins, Purpose};
+
+/// What came of a parameter that was to change: blocks whose values at the start it changes as well, or why it is refused and what
+/// helps.
+pub type Came = Result<Vec<String>, (String, Option<String>)>;
 
 /// An observer that wants parameters to change.
 pub trait Tunes: Observer {
@@ -22,8 +25,8 @@ pub trait Tunes: Observer {
     /// What is to be set now, if anything is.
     fn wanted(&mut self, t: f64) -> Option<String>;
 
-    /// What came of it: a refusal with its remedy, or nothing.
-    fn tuned(&mut self, t: f64, set: &str, refused: Option<(String, Option<String>)>);
+    /// What came of it.
+    fn tuned(&mut self, t: f64, set: &str, came: Came);
 }
 
 /// Parameters that change at times that are known before.
@@ -87,8 +90,8 @@ impl<'a> Tuner<'a> {
             let mut wanted = false;
             while let Some(set) = observer.wanted(t) {
                 wanted = true;
-                let refused = self.tune(simulation, &set, observer);
-                observer.tuned(t, &set, refused);
+                let came = self.tune(simulation, &set, observer);
+                observer.tuned(t, &set, came);
             }
             if !wanted {
                 return Ok(ended);
@@ -96,35 +99,24 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Sets one more parameter; returns why that is refused.
-    fn tune(
-        &mut self,
-        simulation: &mut Simulation,
-        set: &str,
-        observer: &mut dyn Observer,
-    ) -> Option<(String, Option<String>)> {
+    /// Sets one more parameter.
+    fn tune(&mut self, simulation: &mut Simulation, set: &str, observer: &mut dyn Observer) -> Came {
         let mut all = self.set.clone();
         all.push(set.to_owned());
         let disk = Disk::with(Plugins::of(self.args.plugins, Purpose::Run));
         let texts = self.texts.iter().map(|file| (file.path.clone(), file.text.to_string())).collect();
         let reader = Overlaid { disk, texts };
         let mut compiled = compile(&Sources::new(&reader), &self.model, &all);
-        let Some(mut schedule) = compiled.schedule.take().filter(|_| errors(&compiled.problems) == 0) else {
+        let Some(mut schedule) = compiled.schedule.take() else {
             let first = compiled.problems.into_iter().next();
-            return first
-                .map(|problem| (problem.message, problem.help))
-                .or(Some(("it cannot be set".to_owned(), None)));
+            return Err(first
+                .map_or(("it cannot be set".to_owned(), None), |problem| (problem.message, problem.help)));
         };
-        if let Err(failure) = solver::apply(self.solver, &mut schedule.settings) {
-            return Some(refusal(failure));
-        }
-        match simulation.tune(Arc::new(schedule), observer) {
-            Ok(()) => {
-                self.set = all;
-                None
-            }
-            Err(error) => Some((error.message, error.help)),
-        }
+        solver::apply(self.solver, &mut schedule.settings).map_err(refusal)?;
+        let without_effect =
+            simulation.tune(Arc::new(schedule), observer).map_err(|error| (error.message, error.help))?;
+        self.set = all;
+        Ok(without_effect)
     }
 }
 
@@ -133,10 +125,14 @@ fn refusal(failure: Failure) -> (String, Option<String>) {
     (message, failure.into_problems().into_iter().find_map(|problem| problem.help))
 }
 
-/// A setting as an event of the parameter that it names: `is set to 9 1/s`.
-pub fn event(set: &str) -> (&str, String) {
+/// A setting as an event of the parameter that it names: `is set to 9 1/s`, and what of it has no effect.
+pub fn event<'s>(set: &'s str, without_effect: &[String]) -> (&'s str, String) {
     let (target, value) = set.split_once('=').unwrap_or((set, ""));
-    (target.trim(), format!("is set to {}", value.trim()))
+    let lost = match without_effect {
+        [] => String::new(),
+        blocks => format!(" (values at the start of {} have no effect any more)", blocks.join(", ")),
+    };
+    (target.trim(), format!("is set to {}{lost}", value.trim()))
 }
 
 #[cfg(test)]
@@ -153,6 +149,8 @@ mod tests {
             [planned.next(2.0), planned.next(2.0), planned.next(2.0)].map(|set| set.unwrap_or_default()),
             ["b=1", "c=1", ""]
         );
-        assert_eq!(event("gain.k = 9 1/s"), ("gain.k", "is set to 9 1/s".to_owned()));
+        assert_eq!(event("gain.k = 9 1/s", &[]), ("gain.k", "is set to 9 1/s".to_owned()));
+        let (_, what) = event("x.x0=7", &["x".to_owned()]);
+        assert_eq!(what, "is set to 7 (values at the start of x have no effect any more)");
     }
 }

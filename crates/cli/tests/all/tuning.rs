@@ -40,6 +40,12 @@ fn parameters_change_at_their_times_and_are_events() {
         events.lines().skip(1).collect::<Vec<_>>(),
         ["1,k.k,is set to -3", "1.5,k.k,is set to -2 1/s"]
     );
+    let start = desk.call(&["run", "decay.ron", "--quiet", "--out", "start", "--change", "1s:x.x0=7"]);
+    assert_eq!(start.code, Some(0), "{}", start.err);
+    assert!(
+        desk.read("start/events.csv")
+            .contains("is set to 7 (values at the start of x have no effect any more)")
+    );
     let untouched = desk.call(&["run", "decay.ron", "--quiet", "--out", "plain", "--change", "3s:k.k=5"]);
     assert_eq!(untouched.code, Some(0));
     assert!((last(&desk, "plain") - (-2.0_f64).exp()).abs() < 1e-8, "a change after the end has no effect");

@@ -8,6 +8,7 @@ use blocksim_signal::Unit;
 use serde_json::json;
 
 use super::scopes::{Scope, panels_json};
+use crate::running::tuning::Came;
 use crate::terminal::console::Console;
 
 /// How often rows are told.
@@ -117,10 +118,16 @@ impl Feed {
     }
 
     /// Tells what came of a parameter that was to change.
-    pub fn tuned(&mut self, t: f64, set: &str, refused: Option<(String, Option<String>)>) {
+    pub fn tuned(&mut self, t: f64, set: &str, came: Came) {
         self.tell();
-        let (message, help) = refused.map_or((None, None), |(message, help)| (Some(message), help));
-        let event = json!({ "v": 1, "type": "tuned", "t": t, "set": set, "refused": message, "help": help });
+        let event = match came {
+            Ok(without_effect) => {
+                json!({ "v": 1, "type": "tuned", "t": t, "set": set, "without_effect": without_effect })
+            }
+            Err((message, help)) => {
+                json!({ "v": 1, "type": "tuned", "t": t, "set": set, "refused": message, "help": help })
+            }
+        };
         let _ = self.console.data(&format!("{event}\n"));
     }
 

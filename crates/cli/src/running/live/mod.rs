@@ -17,7 +17,7 @@ pub use scopes::scopes;
 use self::control::Control;
 use self::feed::Feed;
 use crate::running::recorder::Shared;
-use crate::running::tuning::{self, Planned, Tunes};
+use crate::running::tuning::{self, Came, Planned, Tunes};
 use crate::terminal::console::Console;
 
 /// Hands all to the recorder, and to who looks.
@@ -89,12 +89,12 @@ impl Tunes for Live<'_> {
         wish
     }
 
-    fn tuned(&mut self, t: f64, set: &str, refused: Option<(String, Option<String>)>) {
+    fn tuned(&mut self, t: f64, set: &str, came: Came) {
         self.tuning = false;
-        let (target, what) = tuning::event(set);
-        if refused.is_none() {
+        if let Ok(without_effect) = &came {
+            let (target, what) = tuning::event(set, without_effect);
             self.recorder.event(t, target, &what);
         }
-        self.feed.tuned(t, set, refused);
+        self.feed.tuned(t, set, came);
     }
 }
