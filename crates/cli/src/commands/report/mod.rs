@@ -15,7 +15,6 @@ mod titles;
 
 pub use beside::Other;
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -31,6 +30,7 @@ use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::mechanism::surroundings;
 use crate::signals::traces::{Book, Mapping};
+use crate::terminal::browser;
 use crate::terminal::console::Console;
 
 /// Name of the file in the folder of its run.
@@ -57,7 +57,7 @@ pub fn written(args: &ReportArgs, console: Console) -> Result<PathBuf, Failure> 
     let target = target(args, &path)?;
     let file = kept(&gathered(args, &path, &[], console)?, &target, console)?;
     if args.open {
-        open_in_browser(&file, console);
+        browser::open(&file, console);
     }
     Ok(file)
 }
@@ -225,20 +225,4 @@ fn overlay(file: &Path) -> Result<Overlay, Failure> {
         time: table.time.iter().map(|t| t * factor).collect(),
         columns: table.columns.into_iter().map(|c| (c.name, c.unit.unwrap_or_default(), c.values)).collect(),
     })
-}
-
-/// Shows a file in the browser of the system, where there is one.
-pub fn open_in_browser(file: &Path, console: Console) {
-    let program = match std::env::consts::OS {
-        "macos" => "open",
-        "windows" => "explorer",
-        _ => "xdg-open",
-    };
-    let file = fs::canonicalize(file).unwrap_or_else(|_| file.to_owned());
-    let quiet = std::process::Stdio::null;
-    let started =
-        std::process::Command::new(program).arg(&file).stdout(quiet()).stderr(quiet()).stdin(quiet()).spawn();
-    if started.is_err() {
-        console.say(&format!("note: `{program}` is missing; open {} in a browser", file.display()));
-    }
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant, SystemTime};
 use blocksim_studio::{Desk, News, Reply};
 use serde_json::{Value, json};
 
-use super::model::{self, Shown};
+use super::model::{self, Shown, place};
 use super::runner::Runner;
 use super::values::{Changes, list, refusal};
 use super::{motion, name_of, project};
@@ -143,7 +143,7 @@ impl Studio {
 
     /// Keeps a move as a file, and has the model use it if that is wanted.
     fn keep(&self, model: &Path, body: &Value) -> Reply {
-        let model = self.root.join(model);
+        let model = place(&self.root, model);
         let name = match motion::save(&model, body) {
             Ok(name) => name,
             Err(refused) => return refused,
@@ -196,7 +196,7 @@ fn known(shown: &Shown) -> Vec<Option<SystemTime>> {
 fn times(root: &Path, model: &Path, shown: &Shown) -> Vec<Option<SystemTime>> {
     let written = |path: &Path| path.metadata().ok().and_then(|data| data.modified().ok());
     if shown.files.is_empty() {
-        return written(&root.join(model)).map(Some).into_iter().collect();
+        return written(&place(root, model)).map(Some).into_iter().collect();
     }
     shown.files.iter().map(|(path, _)| written(path)).collect()
 }
@@ -212,7 +212,7 @@ impl Desk for Studio {
             }
             "robot" => {
                 let now = self.now();
-                let (model, scene) = (self.root.join(&now.model), now.shown.scene.clone());
+                let (model, scene) = (place(&self.root, &now.model), now.shown.scene.clone());
                 drop(now);
                 Reply::Data(motion::robot_of(&model, &scene))
             }
@@ -225,18 +225,18 @@ impl Desk for Studio {
     fn act(&self, path: &str, body: &Value) -> Reply {
         let model = self.now().model.clone();
         match path {
-            "run" => self.runner.start(&self.root.join(model), body),
+            "run" => self.runner.start(&place(&self.root, &model), body),
             "control" => self.runner.control(body),
             "model" => self.choose(body),
-            "plan" => motion::plan(&self.root.join(model), body),
-            "kept" => motion::kept(&self.root.join(model), body["name"].as_str().unwrap_or_default()),
+            "plan" => motion::plan(&place(&self.root, &model), body),
+            "kept" => motion::kept(&place(&self.root, &model), body["name"].as_str().unwrap_or_default()),
             "set" | "undo" | "keep" | "fix" if !self.may_edit => Reply::refused(
                 "this page may not change files",
                 "start it with `blocksim studio --edit`; `Run with it` needs no file",
             ),
             "set" => {
                 let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
-                changes.set(&self.root.join(model), body, self.console)
+                changes.set(&place(&self.root, &model), body, self.console)
             }
             "keep" => self.keep(&model, body),
             "fix" => self.fix(body),

@@ -30,6 +30,7 @@ use crate::disk::{readable, text_files};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::running::interrupt;
+use crate::terminal::browser;
 use crate::terminal::console::Console;
 
 /// The port that is taken if it is free.
@@ -46,7 +47,8 @@ pub fn studio(args: &StudioArgs, console: Console) -> Outcome {
     if let Some(address) = joined::address(&root) {
         console.data(&format!("{address}\n"))?;
         console.say("a studio of this project runs already; this is its address");
-        return Ok(shown(&address, args, console));
+        shown(&address, args, console);
+        return Ok(Exit::Done);
     }
     interrupt::take_over();
     let news = News::default();
@@ -108,11 +110,10 @@ fn name_of(root: &Path) -> String {
 }
 
 /// Opens the page where somebody is there to see it.
-fn shown(address: &str, args: &StudioArgs, console: Console) -> Exit {
+fn shown(address: &str, args: &StudioArgs, console: Console) {
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     let is_seen = cfg!(any(windows, target_os = "macos")) || is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
     if !args.no_open && is_seen && !is_set("SSH_CONNECTION") && !is_set("CI") {
-        super::report::open_in_browser(address.as_ref(), console);
+        browser::open(address.as_ref(), console);
     }
-    Exit::Done
 }

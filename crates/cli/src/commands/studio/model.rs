@@ -11,6 +11,7 @@ use blocksim_report::{Report, texts};
 use serde_json::{Value, json};
 
 use crate::args::model::{ModelArgs, PluginArgs};
+use crate::commands::check::size;
 use crate::commands::report::diagram;
 use crate::disk::Disk;
 use crate::loaded::{Loaded, load};
@@ -81,7 +82,7 @@ impl Fix {
 
 /// Reads a model that lies at `root` as `file`.
 pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
-    let args = arguments(root, file);
+    let args = ModelArgs { model: place(root, file), set: Vec::new(), plugins: PluginArgs::default() };
     let mut shown = Shown {
         version,
         title: file.display().to_string(),
@@ -122,7 +123,7 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
         let written = |path: &Path| path.metadata().ok().and_then(|data| data.modified().ok());
         shown.files = on_disk.iter().map(|file| (file.path.clone(), written(&file.path))).collect();
         if let Some(schedule) = &compiled.schedule {
-            shown.size = Some(super::super::check::size(schedule));
+            shown.size = Some(size(schedule));
             shown.until = schedule.settings.stop_time;
             if !schedule.title.is_empty() {
                 shown.title.clone_from(&schedule.title);
@@ -145,9 +146,9 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
     shown
 }
 
-/// What names a model on the command line.
-pub fn arguments(root: &Path, file: &Path) -> ModelArgs {
-    ModelArgs { model: root.join(file), set: Vec::new(), plugins: PluginArgs::default() }
+/// Where a file of a project is, as one would type it.
+pub fn place(root: &Path, file: &Path) -> PathBuf {
+    if root == Path::new(".") { file.to_owned() } else { root.join(file) }
 }
 
 /// A problem for the page.

@@ -7,6 +7,7 @@ use blocksim_recording::{MOST_TEXT, limited_text};
 use blocksim_studio::Reply;
 use serde_json::{Value, json};
 
+use super::model::place;
 use crate::commands::params::set::edit;
 use crate::commands::params::table::{located, shown};
 use crate::disk::{Disk, write_file};
@@ -39,7 +40,7 @@ pub fn refusal(failure: Failure) -> Reply {
 pub fn list(root: &Path, model: &Path, may_edit: bool) -> Value {
     let disk = Disk::default();
     let sources = Sources::new(&disk);
-    let (all, _) = targets(&sources, &root.join(model));
+    let (all, _) = targets(&sources, &place(root, model));
     let files = sources.all();
     let texts = Texts::of(&files);
     let is_shown = |target: &&Target| !matches!(target.origin, Origin::Kind(_)) && !target.is_item;
