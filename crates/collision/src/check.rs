@@ -1,5 +1,8 @@
 //! All solids of a mechanism and of its surroundings.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
+
 use blocksim_multibody::Placement;
 use blocksim_scene::{Scene, Shape};
 
@@ -86,7 +89,18 @@ impl Check {
             unchecked: Vec::new(),
         };
         let places = check.places(rest);
-        let touches = |i: usize, k: usize| check.between(i, k, &places).distance <= TOUCHING;
+        // Each pair is measured once, and only where their spheres leave that open.
+        let known = RefCell::new(HashMap::new());
+        let at_rest = |i: usize, k: usize| {
+            let centres = (places[i].translation - places[k].translation).norm();
+            let bound = centres - check.reach[i] - check.reach[k];
+            if bound > 2.0 * CLOSE {
+                return bound;
+            }
+            let measure = || check.between(i, k, &places).distance;
+            *known.borrow_mut().entry([i.min(k), i.max(k)]).or_insert_with(measure)
+        };
+        let touches = |i: usize, k: usize| at_rest(i, k) <= TOUCHING;
         // In the world: a base, of which any solid touches the body.
         let is_base = |i: usize, k: usize| {
             let base = |other: &Item| other.body == Some(0) && other.name == check.items[i].name;
@@ -127,7 +141,7 @@ impl Check {
                 };
                 if look {
                     let own = check.items[i].body.is_some() && check.items[k].body.is_some();
-                    let close = own && check.between(i, k, &places).distance <= CLOSE;
+                    let close = own && at_rest(i, k) <= CLOSE;
                     pairs.push(Pair { of: [i, k], close });
                 }
             }

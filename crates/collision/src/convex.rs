@@ -23,6 +23,36 @@ struct Corner {
     b: Vector3<f64>,
 }
 
+/// At most four corners, of which every point inside is a mean.
+#[derive(Debug, Clone, Copy)]
+struct Simplex {
+    corners: [Corner; 4],
+    /// Of the point next to the origin; they sum to one.
+    weights: [f64; 4],
+    len: usize,
+}
+
+impl Simplex {
+    fn of(corner: Corner) -> Self {
+        Simplex { corners: [corner; 4], weights: [1.0, 0.0, 0.0, 0.0], len: 1 }
+    }
+
+    /// The part of these corners whose bits are set; the weights are those of nothing yet.
+    fn part(&self, chosen: u32) -> Self {
+        let mut part = Simplex { len: 0, ..*self };
+        for corner in (0..self.len).filter(|i| chosen & (1 << i) != 0).map(|i| self.corners[i]) {
+            part.corners[part.len] = corner;
+            part.len += 1;
+        }
+        part
+    }
+
+    fn sum(&self, of: fn(&Corner) -> Vector3<f64>) -> Vector3<f64> {
+        let weighted = self.corners.iter().zip(self.weights).take(self.len);
+        weighted.fold(Vector3::zeros(), |sum, (corner, weight)| sum + of(corner) * weight)
+    }
+}
+
 /// The nearest points of both sets and the way from the second to the first; `None` where the sets overlap. A support is the point farthest in a direction; both
 /// in the same axes. `start` is any direction from the second to the first set.
 pub(crate) fn nearest(
@@ -34,9 +64,8 @@ pub(crate) fn nearest(
         let (a, b) = (support_a(towards), support_b(&-towards));
         Corner { difference: a - b, a, b }
     };
-    let first = corner(&-start);
-    let mut simplex = vec![(first, 1.0)];
-    let mut v = first.difference;
+    let mut simplex = Simplex::of(corner(&-start));
+    let mut v = simplex.corners[0].difference;
     for _ in 0..ROUNDS {
         if v.norm() < TOUCHING {
             return None;
@@ -47,36 +76,34 @@ pub(crate) fn nearest(
         if gained <= ACCURACY * v.norm_squared() {
             break;
         }
-        let corners: Vec<Corner> = simplex.iter().map(|(corner, _)| *corner).chain([next]).collect();
-        let (reduced, nearer) = reduce(&corners);
+        let mut wider = simplex;
+        wider.corners[simplex.len] = next;
+        wider.len += 1;
+        let Some((reduced, nearer)) = reduce(&wider) else { break };
         if nearer.norm_squared() >= v.norm_squared() {
             // Rounding: this is as near as it gets.
             break;
         }
         (simplex, v) = (reduced, nearer);
-        if simplex.len() == 4 {
+        if simplex.len == 4 {
             return None;
         }
     }
-    let sum = |of: fn(&Corner) -> Vector3<f64>| {
-        simplex.iter().fold(Vector3::zeros(), |sum, (corner, weight)| sum + of(corner) * *weight)
-    };
-    Some(([sum(|corner| corner.a), sum(|corner| corner.b)], v))
+    Some(([simplex.sum(|corner| corner.a), simplex.sum(|corner| corner.b)], v))
 }
 
-/// The part of a simplex whose inside is next to the origin, with the weights of that point, and the point.
-fn reduce(corners: &[Corner]) -> (Vec<(Corner, f64)>, Vector3<f64>) {
-    let mut best: (Vec<(Corner, f64)>, Vector3<f64>) = (Vec::new(), Vector3::from_element(f64::INFINITY));
-    for chosen in 1_u32..1 << corners.len() {
-        let part: Vec<Corner> =
-            (0..corners.len()).filter(|i| chosen & (1 << i) != 0).map(|i| corners[i]).collect();
-        let Some((rest, point)) = projected(&part) else { continue };
-        let first = 1.0 - rest.iter().sum::<f64>();
-        let weights = std::iter::once(first).chain(rest);
-        let weighted: Vec<(Corner, f64)> = part.into_iter().zip(weights).collect();
-        let inside = weighted.iter().all(|(_, weight)| *weight >= 0.0);
-        if inside && point.norm_squared() < best.1.norm_squared() {
-            best = (weighted, point);
+/// The part of a simplex whose inside is next to the origin, with the weights of that point, and the point; `None` where
+/// nothing of it spans anything.
+fn reduce(simplex: &Simplex) -> Option<(Simplex, Vector3<f64>)> {
+    let mut best: Option<(Simplex, Vector3<f64>)> = None;
+    for chosen in 1_u32..1 << simplex.len {
+        let mut part = simplex.part(chosen);
+        let Some((rest, point)) = projected(&part.corners[..part.len]) else { continue };
+        let nearer = best.is_none_or(|(_, nearest)| point.norm_squared() < nearest.norm_squared());
+        part.weights[0] = 1.0 - rest[..part.len - 1].iter().sum::<f64>();
+        part.weights[1..part.len].copy_from_slice(&rest[..part.len - 1]);
+        if nearer && part.weights[..part.len].iter().all(|weight| *weight >= 0.0) {
+            best = Some((part, point));
         }
     }
     best
@@ -84,19 +111,21 @@ fn reduce(corners: &[Corner]) -> (Vec<(Corner, f64)>, Vector3<f64>) {
 
 /// The point next to the origin in the plane (line, space) through the corners, and the weights of all corners but the
 /// first; `None` where the corners do not span one.
-fn projected(corners: &[Corner]) -> Option<(Vec<f64>, Vector3<f64>)> {
+fn projected(corners: &[Corner]) -> Option<([f64; 3], Vector3<f64>)> {
     /// Sine at which edges count as lying in line.
     const FLAT: f64 = 1e-12;
     let origin = corners[0].difference;
-    let edges: Vec<Vector3<f64>> = corners[1..].iter().map(|corner| corner.difference - origin).collect();
-    match edges[..] {
-        [] => Some((Vec::new(), origin)),
-        [e] => {
+    let edge = |i: usize| corners[i].difference - origin;
+    match corners.len() {
+        1 => Some(([0.0; 3], origin)),
+        2 => {
+            let e = edge(1);
             let square = Some(e.norm_squared()).filter(|square| *square > 0.0)?;
             let t = -origin.dot(&e) / square;
-            Some((vec![t], origin + e * t))
+            Some(([t, 0.0, 0.0], origin + e * t))
         }
-        [e, f] => {
+        3 => {
+            let (e, f) = (edge(1), edge(2));
             // By the normal: the products of the edges would lose twice the digits where they are nearly in line.
             let normal = e.cross(&f);
             let square = normal.norm_squared();
@@ -106,17 +135,17 @@ fn projected(corners: &[Corner]) -> Option<(Vec<f64>, Vector3<f64>)> {
             let point = normal * (normal.dot(&origin) / square);
             let inside = point - origin;
             Some((
-                vec![inside.cross(&f).dot(&normal) / square, e.cross(&inside).dot(&normal) / square],
+                [inside.cross(&f).dot(&normal) / square, e.cross(&inside).dot(&normal) / square, 0.0],
                 point,
             ))
         }
-        [e, f, g] => {
+        4 => {
+            let (e, f, g) = (edge(1), edge(2), edge(3));
             let span = Matrix3::from_columns(&[e, f, g]);
             if span.determinant().abs() <= FLAT * e.norm() * f.norm() * g.norm() {
                 return None;
             }
-            let weights = span.try_inverse()? * -origin;
-            Some((weights.as_slice().to_vec(), Vector3::zeros()))
+            Some(((span.try_inverse()? * -origin).into(), Vector3::zeros()))
         }
         _ => None,
     }

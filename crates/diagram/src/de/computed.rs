@@ -29,8 +29,18 @@ impl Computed<'_, '_> {
         Computed { value, is_bare: self.is_bare || !self.has_units, ..*self }
     }
 
+    /// The value by itself and what is known of it: lists and sets of many levels are not copied level by level.
+    fn taken(mut self) -> (Self, Value) {
+        let value = std::mem::replace(&mut self.value, Value::List(Vec::new()));
+        (self, value)
+    }
+
     fn wrong<T>(&self, wanted: &str) -> Result<T, Noted> {
-        Err(Noted(format!("expected {wanted}, found {}", self.value.describe())))
+        Self::unlike(&self.value, wanted)
+    }
+
+    fn unlike<T>(value: &Value, wanted: &str) -> Result<T, Noted> {
+        Err(Noted(format!("expected {wanted}, found {}", value.describe())))
     }
 
     /// The number, with its unit checked against what the parameter asks for.
@@ -157,9 +167,9 @@ impl<'de> Deserializer<'de> for Computed<'_, '_> {
                 self.1.next().map(|value| seed.deserialize(self.0.of(value))).transpose()
             }
         }
-        match &self.value {
-            Value::List(items) => visitor.visit_seq(List(&self, items.clone().into_iter())),
-            _ => self.wrong("a list"),
+        match self.taken() {
+            (computed, Value::List(items)) => visitor.visit_seq(List(&computed, items.into_iter())),
+            (_, other) => Self::unlike(&other, "a list"),
         }
     }
 
@@ -189,9 +199,9 @@ impl<'de> Deserializer<'de> for Computed<'_, '_> {
                 })
             }
         }
-        match &self.value {
-            Value::Set(members) => visitor.visit_map(Set(&self, members.clone().into_iter(), None)),
-            _ => self.wrong("a set"),
+        match self.taken() {
+            (computed, Value::Set(members)) => visitor.visit_map(Set(&computed, members.into_iter(), None)),
+            (_, other) => Self::unlike(&other, "a set"),
         }
     }
 
