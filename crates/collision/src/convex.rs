@@ -37,14 +37,35 @@ impl Simplex {
         Simplex { corners: [corner; 4], weights: [1.0, 0.0, 0.0, 0.0], len: 1 }
     }
 
-    /// The part of these corners whose bits are set; the weights are those of nothing yet.
-    fn part(&self, chosen: u32) -> Self {
+    /// The part of it whose inside is next to the origin, with the weights of that point, and the point; `None` where nothing
+    /// of it spans anything.
+    fn reduced(&self) -> Option<(Simplex, Vector3<f64>)> {
+        let mut best: Option<([f64; 3], Vector3<f64>, u32)> = None;
+        for chosen in 1_u32..1 << self.len {
+            let mut part = [self.corners[0].difference; 4];
+            let len = self.chosen(chosen).zip(&mut part).map(|(corner, to)| *to = corner.difference).count();
+            let Some((weights, point)) = projected(&part[..len]) else { continue };
+            let nearer = best.is_none_or(|(_, nearest, _)| point.norm_squared() < nearest.norm_squared());
+            let rest = &weights[..len - 1];
+            if nearer && first_weight(rest) >= 0.0 && rest.iter().all(|weight| *weight >= 0.0) {
+                best = Some((weights, point, chosen));
+            }
+        }
+        let (weights, point, chosen) = best?;
         let mut part = Simplex { len: 0, ..*self };
-        for corner in (0..self.len).filter(|i| chosen & (1 << i) != 0).map(|i| self.corners[i]) {
-            part.corners[part.len] = corner;
+        for corner in self.chosen(chosen) {
+            part.corners[part.len] = *corner;
             part.len += 1;
         }
-        part
+        part.weights[0] = first_weight(&weights[..part.len - 1]);
+        part.weights[1..].copy_from_slice(&weights);
+        Some((part, point))
+    }
+
+    /// The corners whose bits are set.
+    fn chosen(&self, bits: u32) -> impl Iterator<Item = &Corner> {
+        let corners = self.corners[..self.len].iter().enumerate();
+        corners.filter(move |(i, _)| bits & (1 << i) != 0).map(|(_, corner)| corner)
     }
 
     fn sum(&self, of: fn(&Corner) -> Vector3<f64>) -> Vector3<f64> {
@@ -79,7 +100,7 @@ pub(crate) fn nearest(
         let mut wider = simplex;
         wider.corners[simplex.len] = next;
         wider.len += 1;
-        let Some((reduced, nearer)) = reduce(&wider) else { break };
+        let Some((reduced, nearer)) = wider.reduced() else { break };
         if nearer.norm_squared() >= v.norm_squared() {
             // Rounding: this is as near as it gets.
             break;
@@ -92,30 +113,17 @@ pub(crate) fn nearest(
     Some(([simplex.sum(|corner| corner.a), simplex.sum(|corner| corner.b)], v))
 }
 
-/// The part of a simplex whose inside is next to the origin, with the weights of that point, and the point; `None` where
-/// nothing of it spans anything.
-fn reduce(simplex: &Simplex) -> Option<(Simplex, Vector3<f64>)> {
-    let mut best: Option<(Simplex, Vector3<f64>)> = None;
-    for chosen in 1_u32..1 << simplex.len {
-        let mut part = simplex.part(chosen);
-        let Some((rest, point)) = projected(&part.corners[..part.len]) else { continue };
-        let nearer = best.is_none_or(|(_, nearest)| point.norm_squared() < nearest.norm_squared());
-        part.weights[0] = 1.0 - rest[..part.len - 1].iter().sum::<f64>();
-        part.weights[1..part.len].copy_from_slice(&rest[..part.len - 1]);
-        if nearer && part.weights[..part.len].iter().all(|weight| *weight >= 0.0) {
-            best = Some((part, point));
-        }
-    }
-    best
+fn first_weight(rest: &[f64]) -> f64 {
+    1.0 - rest.iter().sum::<f64>()
 }
 
 /// The point next to the origin in the plane (line, space) through the corners, and the weights of all corners but the
 /// first; `None` where the corners do not span one.
-fn projected(corners: &[Corner]) -> Option<([f64; 3], Vector3<f64>)> {
+fn projected(corners: &[Vector3<f64>]) -> Option<([f64; 3], Vector3<f64>)> {
     /// Sine at which edges count as lying in line.
     const FLAT: f64 = 1e-12;
-    let origin = corners[0].difference;
-    let edge = |i: usize| corners[i].difference - origin;
+    let origin = corners[0];
+    let edge = |i: usize| corners[i] - origin;
     match corners.len() {
         1 => Some(([0.0; 3], origin)),
         2 => {
