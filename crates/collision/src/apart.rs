@@ -1,9 +1,13 @@
 //! How far the solids of each pair are apart at least, from pose to pose.
 
 use blocksim_multibody::Placement;
+use nalgebra::Vector3;
 
 use crate::check::Check;
-use crate::distance::Distance;
+use crate::distance::{Distance, separation};
+
+/// What rounding may make of a distance, m.
+const ROUNDING: f64 = 1e-10;
 
 /// Of each pair a distance is kept that it has at least. From pose to pose this shrinks by what both solids move by at
 /// most, so a pair is measured anew only where it may have come near enough to matter.
@@ -16,13 +20,20 @@ pub(crate) struct Apart<'c> {
     came: Vec<f64>,
     /// Of each pair, m.
     least: Vec<f64>,
+    /// Of each pair, the direction from the second solid to the first where they were measured last; zero before.
+    across: Vec<Vector3<f64>>,
 }
 
 impl<'c> Apart<'c> {
     /// Before the first pose nothing is known.
     pub fn new(check: &'c Check) -> Self {
-        let least = vec![f64::NEG_INFINITY; check.pairs.len()];
-        Apart { check, places: Vec::new(), came: vec![0.0; check.items.len()], least }
+        Apart {
+            check,
+            places: Vec::new(),
+            came: vec![0.0; check.items.len()],
+            least: vec![f64::NEG_INFINITY; check.pairs.len()],
+            across: vec![Vector3::zeros(); check.pairs.len()],
+        }
     }
 
     /// Goes on to a pose of the bodies, the world first.
@@ -50,8 +61,17 @@ impl<'c> Apart<'c> {
             *least = bound;
             return None;
         }
+        // Along the direction of the last measurement they are nearly as far apart as they are at all.
+        let across = &mut self.across[pair];
+        let [a, b] = [i, k].map(|n| &check.items[n].solid);
+        let bound = separation(a, &self.places[i], b, &self.places[k], across) - ROUNDING;
+        if bound >= enough {
+            *least = bound;
+            return None;
+        }
         let found = check.between(i, k, &self.places);
         *least = found.distance;
+        *across = (found.points[0] - found.points[1]).try_normalize(ROUNDING).unwrap_or_default();
         Some(found)
     }
 }

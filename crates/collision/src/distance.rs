@@ -31,6 +31,21 @@ pub fn distance(a: &Solid, at: &Placement, b: &Solid, bt: &Placement) -> Distanc
     }
 }
 
+/// How far two solids are apart along a direction of length 1 from the second to the first, m: never more than their distance,
+/// and the same where the direction is that of their nearest points. Minus infinity where nothing is known.
+pub(crate) fn separation(a: &Solid, at: &Placement, b: &Solid, bt: &Placement, across: &Vector3<f64>) -> f64 {
+    if matches!(a.core, Core::HalfSpace) || matches!(b.core, Core::HalfSpace) || *across == Vector3::zeros() {
+        return f64::NEG_INFINITY;
+    }
+    let between = farthest(a, at, &-across) - farthest(b, bt, across);
+    across.dot(&between) - a.margin - b.margin
+}
+
+/// The point of the core of a solid that is farthest in a direction.
+fn farthest(solid: &Solid, place: &Placement, direction: &Vector3<f64>) -> Vector3<f64> {
+    place.point(&solid.core.support(&place.rotation.tr_mul(direction)))
+}
+
 impl Distance {
     fn reversed(self) -> Self {
         let [a, b] = self.points;
@@ -47,17 +62,14 @@ fn above(plane: &Placement, solid: &Solid, at: &Placement) -> Distance {
 }
 
 fn between(a: &Solid, at: &Placement, b: &Solid, bt: &Placement) -> Distance {
-    let support = |solid: &Solid, place: &Placement, direction: &Vector3<f64>| {
-        place.point(&solid.core.support(&place.rotation.tr_mul(direction)))
-    };
     let apart = at.translation - bt.translation;
     let start = if apart.norm() > 0.0 { apart } else { Vector3::x() };
-    let cores = nearest(|d| support(a, at, d), |d| support(b, bt, d), start);
+    let cores = nearest(|d| farthest(a, at, d), |d| farthest(b, bt, d), start);
     let Some(([p, q], gap)) = cores else {
-        let height = |n: &Vector3<f64>| n.dot(&(support(a, at, n) - support(b, bt, &-n)));
+        let height = |n: &Vector3<f64>| n.dot(&(farthest(a, at, n) - farthest(b, bt, &-n)));
         let (deep, out) = depth(height, &likely(at, bt));
         let point = |solid: &Solid, place: &Placement, way: Vector3<f64>| {
-            support(solid, place, &way) + way * solid.margin
+            farthest(solid, place, &way) + way * solid.margin
         };
         return Distance {
             distance: 0.0 - deep - a.margin - b.margin,

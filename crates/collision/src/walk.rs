@@ -22,24 +22,43 @@ pub struct Walk<'c> {
     apart: Apart<'c>,
     /// The least distance so far, m.
     least: f64,
+    /// Whether something has touched.
+    has_touched: bool,
 }
 
 impl<'c> Walk<'c> {
     /// Before the first pose.
     pub fn new(check: &'c Check) -> Self {
-        Walk { check, apart: Apart::new(check), least: f64::INFINITY }
+        Walk { check, apart: Apart::new(check), least: f64::INFINITY, has_touched: false }
     }
 
-    /// The next pose, with the world first: the nearest pair, if it is nearer than any before.
+    /// The same where it is known that a distance in one of the poses to come is not more than `least`, m: larger ones are
+    /// not told, but the first touch is.
+    pub fn down_to(check: &'c Check, least: f64) -> Self {
+        Walk { least: least.next_up(), ..Walk::new(check) }
+    }
+
+    /// The least distance so far, m; infinite before any was told.
+    pub fn least(&self) -> f64 {
+        self.least
+    }
+
+    /// The next pose, with the world first: the nearest pair, if it is nearer than any before, or touches first.
     pub fn step(&mut self, poses: &[Placement]) -> Option<Clearance> {
         self.apart.go(poses);
+        // However deep what is to come lies, the first touch counts.
+        let mut least = if self.has_touched { self.least } else { self.least.max(f64::MIN_POSITIVE) };
         let mut best = None;
         for (n, pair) in self.check.pairs.iter().enumerate() {
-            let enough = pair.bound(self.least);
+            let enough = pair.bound(least);
             if let Some(found) = self.apart.measured(n, enough).filter(|found| found.distance < enough) {
-                self.least = found.distance;
+                least = found.distance;
                 best = Some((pair.of, found));
             }
+        }
+        if best.is_some() {
+            self.has_touched |= least <= 0.0;
+            self.least = self.least.min(least);
         }
         best.map(|(pair, found)| self.check.clearance_of(pair, found))
     }
@@ -101,6 +120,16 @@ mod tests {
         let first = each.iter().position(|distance| *distance <= 0.0);
         assert!(first.is_some_and(|row| row > 10), "{first:?}");
         assert_eq!(course.first.as_ref().map(|(row, _)| *row), first);
-        assert_eq!(course.least.expect("pairs").1.distance.distance, least);
+        assert_eq!(course.least.clone().expect("pairs").1.distance.distance, least);
+        // Nor does it to know beforehand how near some of the poses come, however deep that is.
+        for every in [7, 100, 1000] {
+            let mut coarse = Walk::new(&check);
+            way.iter().step_by(every).for_each(|poses| drop(coarse.step(poses)));
+            let mut informed = Walk::down_to(&check, coarse.least());
+            let found = way.iter().enumerate().filter_map(|(row, poses)| Some((row, informed.step(poses)?)));
+            let found: Vec<(usize, Clearance)> = found.collect();
+            assert_eq!(found.iter().find(|(_, near)| near.distance.distance <= 0.0), course.first.as_ref());
+            assert_eq!(found.last(), course.least.as_ref());
+        }
     }
 }

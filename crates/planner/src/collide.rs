@@ -169,6 +169,9 @@ impl<'r> Poses<'r> {
     }
 }
 
+/// One of so many poses is looked at first: how near these come leaves little to measure in the others.
+const COARSE: usize = 16;
+
 /// Looks for collisions at the seams of a move and at `waypoints` times at least, equally distant; the first one is found
 /// to a millionth of the time between two of them.
 pub fn encounters(robot: &Robot, course: &dyn Course, space: &Space, waypoints: usize) -> Encounters {
@@ -186,8 +189,14 @@ pub fn encounters(robot: &Robot, course: &dyn Course, space: &Space, waypoints: 
             .collect();
     }
     let mut found = Encounters { poses: times.len(), ..Encounters::default() };
-    let (mut own, mut around) = (Follow::new(&space.own), Follow::new(&space.around));
     let mut poses = Poses::new(robot);
+    let mut walks = [Walk::new(&space.own), Walk::new(&space.around)];
+    for t in times.iter().step_by(COARSE) {
+        let at = poses.at(&course.positions(*t));
+        walks.iter_mut().for_each(|walk| drop(walk.step(at)));
+    }
+    let [near, near_around] = walks.map(|walk| walk.least());
+    let (mut own, mut around) = (Follow::new(&space.own, near), Follow::new(&space.around, near_around));
     for t in times {
         let at = poses.at(&course.positions(t));
         own.step(t, at);
@@ -210,8 +219,9 @@ struct Follow<'s> {
 }
 
 impl<'s> Follow<'s> {
-    fn new(check: &'s Check) -> Self {
-        Follow { check, walk: Walk::new(check), before: 0.0, first: None, least: None }
+    /// Along a way that some of its poses are known of.
+    fn new(check: &'s Check, least: f64) -> Self {
+        Follow { check, walk: Walk::down_to(check, least), before: 0.0, first: None, least: None }
     }
 
     fn step(&mut self, t: f64, poses: &[Placement]) {
