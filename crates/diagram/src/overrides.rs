@@ -10,7 +10,8 @@ use crate::source::Sources;
 use blocksim_syntax::{Node, Shape, read};
 
 /// What stands in the place of a file for values from the command line.
-pub(crate) const SET: &str = "--set";
+/// They come from `--set` and from what stands for it, such as `--over` of a sweep.
+pub(crate) const COMMAND_LINE: &str = "command line";
 
 /// A parameter that is replaced.
 #[derive(Debug)]
@@ -65,7 +66,7 @@ impl Override {
 
 /// Takes `target=value` apart.
 pub(crate) fn parse(sources: &Sources, text: &str) -> Result<Override, Problem> {
-    let file = sources.hold(Path::new(SET), text);
+    let file = sources.hold(Path::new(COMMAND_LINE), text);
     let fail = |message: &str| {
         Problem::error("unknown_override", message.to_owned())
             .at(&Place { file, span: 0..text.len() }, "")

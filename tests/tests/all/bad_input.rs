@@ -433,7 +433,7 @@ fn variants_must_have_the_same_ports_and_an_alternative_that_exists() {
           model.ron:5:45 `"a"` has it
           help: all alternatives of a variant offer the same ports
         error[unknown_override]: `which` has no alternative `c`
-          --set:1:1 `which=c` 
+          command line:1:1 `which=c` 
           help: the alternatives are `a` and `b`
     "#]]
     .assert_eq(&problems);
@@ -444,7 +444,7 @@ fn variants_must_have_the_same_ports_and_an_alternative_that_exists() {
           model.ron:5:45 `"a"` has it
           help: all alternatives of a variant offer the same ports
         error[unknown_override]: there is no `wich` to set
-          --set:1:1 `wich=b` 
+          command line:1:1 `wich=b` 
           help: did you mean `which`?
     "#]]
     .assert_eq(&problems);
@@ -461,11 +461,11 @@ fn what_the_command_line_sets_must_exist() {
         match set {
             "gain.kq=1" => expect![[r#"
                 error[unknown_override]: there is no `kq`; known are `kp` and `ki`
-                  --set:1:1 `gain.kq=1` 
+                  command line:1:1 `gain.kq=1` 
             "#]].assert_eq(&problems),
             "g.kk=2" => expect![[r#"
                 error[unknown_override]: there is no `g.kk` to set
-                  --set:1:1 `g.kk=2` 
+                  command line:1:1 `g.kk=2` 
                   help: did you mean `g.k`?
             "#]].assert_eq(&problems),
             "g.k=5 q" => expect![[r#"
@@ -476,10 +476,21 @@ fn what_the_command_line_sets_must_exist() {
             "#]].assert_eq(&problems),
             _ => expect![[r#"
                 error[unknown_override]: `--set` needs a name and a value
-                  --set:1:1 `nonsense` 
+                  command line:1:1 `nonsense` 
                   help: write --set name=value, --set block.parameter=value or --set path/to/block.parameter=value
             "#]].assert_eq(&problems),
         }
+    }
+    for (set, help) in
+        [("kp=3", "did you mean `gain.kp`?"), ("payload=5", "did you mean `gain.payload.mass`?")]
+    {
+        let text = r#"Diagram(
+    parameters: { "gain": (kp: 2.0, payload: (mass: "1 kg")) },
+    blocks: { "s": Step(), "g": Gain(k: "gain.kp"), "t": Terminator },
+    connections: ["s.y -> g.u", "g.y -> t.u"],
+)"#;
+        let problems = compile_with(&Desk::new().with("model.ron", text), Path::new("model.ron"), &[set]).1;
+        assert!(problems.ends_with(&format!("help: {help}\n")), "{problems}");
     }
     for set in ["gain.kp=3", "g.k=5", "g.k=gain.kp*2"] {
         assert_eq!(compile_with(&desk, Path::new("model.ron"), &[set]).1, "", "{set}");
@@ -604,7 +615,9 @@ fn a_missing_file_is_looked_for_where_its_path_begins() {
     assert!(in_file.contains("help: paths are relative to the file that names them"), "{in_file}");
     let in_set = problems("set.ron", &["set=File(\"gone.ron\")"]);
     assert!(
-        in_set.contains("help: paths in `--set` are relative to the folder where the program is called"),
+        in_set.contains(
+            "help: paths on the command line are relative to the folder where the program is called"
+        ),
         "{in_set}"
     );
 }

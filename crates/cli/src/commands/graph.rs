@@ -86,7 +86,10 @@ pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
                 return Err(Failure::unwritable(format!("cannot create `{}`: {error}", folder.display())));
             }
         }
-        write_pictures(&drawing, as_svg.as_deref(), as_png.as_deref(), args.scale, args.yes)?;
+        for file in write_pictures(&drawing, as_svg.as_deref(), as_png.as_deref(), args.scale, args.yes)? {
+            let line = file.display().to_string();
+            if args.json { console.say(&line) } else { console.data(&format!("{line}\n"))? }
+        }
     }
     Ok(whole)
 }

@@ -208,7 +208,7 @@ fn tolerances_that_no_result_can_have() {
     "#]]);
     Bad { options: &["--set", "simulation.solver.rtol=0.5"], ..Bad::new(&decay("")) }.run(&expect![[r#"
         error[unknown_override]: there is no `simulation.solver.rtol` to set
-         --> --set:1:1
+         --> command line:1:1
           |
         1 | simulation.solver.rtol=0.5
           | ^^^^^^^^^^^^^^^^^^^^^^^^^^

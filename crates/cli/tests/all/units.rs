@@ -113,7 +113,7 @@ fn a_value_that_changes_nothing_is_reported() {
     expect![[r#"
         data.motor.l=3
         model.ron: 1 warning; 3 blocks, 2 signals, 0 continuous states, 0 discrete states, continuous
-        --set:1:1: warning[unused_parameter]: nothing reads `data.motor.l`, so this changes nothing
+        command line:1:1: warning[unused_parameter]: nothing reads `data.motor.l`, so this changes nothing
         set data.motor.l = 3 mH
         exit code 0
         data.motor.r=3
@@ -122,22 +122,22 @@ fn a_value_that_changes_nothing_is_reported() {
         exit code 0
         data.note=4
         model.ron: 1 warning; 3 blocks, 2 signals, 0 continuous states, 0 discrete states, continuous
-        --set:1:1: warning[unused_parameter]: nothing reads `data.note`, so this changes nothing
+        command line:1:1: warning[unused_parameter]: nothing reads `data.note`, so this changes nothing
         exit code 0
         unused=2
         model.ron: 1 warning; 3 blocks, 2 signals, 0 continuous states, 0 discrete states, continuous
-        --set:1:1: warning[unused_parameter]: nothing reads `unused`, so this changes nothing
+        command line:1:1: warning[unused_parameter]: nothing reads `unused`, so this changes nothing
         exit code 0
         pair.b=3
         model.ron: 1 warning; 3 blocks, 2 signals, 0 continuous states, 0 discrete states, continuous
-        --set:1:1: warning[unused_parameter]: nothing reads `pair.b`, so this changes nothing
+        command line:1:1: warning[unused_parameter]: nothing reads `pair.b`, so this changes nothing
         exit code 0
         k=3
         model.ron: no problems; 3 blocks, 2 signals, 0 continuous states, 0 discrete states, continuous
         exit code 0
         part.spare=2
         model.ron: 1 warning; 3 blocks, 2 signals, 0 continuous states, 0 discrete states, continuous
-        --set:1:1: warning[unused_parameter]: nothing reads `spare`, so this changes nothing
+        command line:1:1: warning[unused_parameter]: nothing reads `spare`, so this changes nothing
         exit code 0
     "#]]
     .assert_eq(&said.map(|over| format!("{over}\n{}", short(over))).concat());

@@ -164,7 +164,7 @@ impl<'a> Resolver<'a> {
         self.built(Instance { path: String::new(), ast: ast.clone(), scope: scope.clone(), giver: None });
         let model = self.model(&ast, &scope, "", &[file]);
         for unused in self.overrides.iter().filter(|o| !o.used.get()) {
-            self.report(self.unknown_override(unused, &model));
+            self.report(self.unknown_override(unused, &model, &scope));
         }
         Some((model, scope))
     }

@@ -195,7 +195,7 @@ impl<'a> Resolver<'a> {
         Ok(value)
     }
 
-    pub(super) fn unknown_override(&self, over: &Override, model: &Model) -> Problem {
+    pub(super) fn unknown_override(&self, over: &Override, model: &Model, scope: &Rc<Scope<'a>>) -> Problem {
         let target = over.target();
         let problem = Problem::error("unknown_override", format!("there is no `{target}` to set"))
             .at(&over.place(), "");
@@ -207,8 +207,11 @@ impl<'a> Resolver<'a> {
                  diagram that stands in it",
             );
         }
+        let inside = named_inside(target, &known, &scope.members());
         match closest(target, known.iter().map(String::as_str)) {
             Some(close) => problem.help(format!("did you mean `{close}`?")),
+            None if inside.len() == 1 => problem.help(format!("did you mean `{}`?", inside[0])),
+            None if !inside.is_empty() => problem.help(format!("with that name there are {}", list(&inside))),
             None => problem.help(format!(
                 "parameters of the diagram are {}; `path/to/block.parameter` names one of a block",
                 list(&model.ast.parameters.iter().map(|(name, _)| name.text.clone()).collect::<Vec<_>>())
@@ -235,6 +238,19 @@ fn value_node(over: &Override, text: bool) -> Node {
         }
         _ => over.node.clone(),
     }
+}
+
+/// Numbers, texts and lists whose path ends with what was written, or with a set of that name before: of `payload` the mass and
+/// all else that a payload has.
+fn named_inside(target: &str, known: &[String], members: &[String]) -> Vec<String> {
+    let (last, around) = (format!(".{target}"), format!(".{target}."));
+    let is_meant = |path: &&String| {
+        path.ends_with(&last)
+            || path.rfind(&around).is_some_and(|at| !path[at + around.len()..].contains(['.', '[']))
+    };
+    let mut found: Vec<String> = known.iter().chain(members).filter(is_meant).cloned().collect();
+    found.dedup();
+    found
 }
 
 /// What `--set` could have meant.

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
 
-use crate::overrides::SET;
+use crate::overrides::COMMAND_LINE;
 use crate::problems::not_ron;
 use crate::source::Sources;
 use blocksim_syntax::Node;
@@ -22,9 +22,9 @@ pub(crate) fn missing_file(
     reason: &str,
     place: &Place,
 ) -> Problem {
-    let is_override = sources.file(place.file).path == Path::new(SET);
+    let is_override = sources.file(place.file).path == Path::new(COMMAND_LINE);
     let help = match is_override {
-        true => "paths in `--set` are relative to the folder where the program is called",
+        true => "paths on the command line are relative to the folder where the program is called",
         false => "paths are relative to the file that names them",
     };
     Problem::error("missing_file", format!("cannot read `{}`: {reason}", path.as_ref().display()))

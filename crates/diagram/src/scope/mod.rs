@@ -128,6 +128,26 @@ impl<'a> Scope<'a> {
         self.entries.borrow().keys().cloned().collect()
     }
 
+    /// Paths of all that stands in sets below this diagram's own parameters and is no set itself, as far as they have been
+    /// computed: `robot.payload.mass`.
+    pub(crate) fn members(&self) -> Vec<String> {
+        fn below(path: &str, value: &Value, found: &mut Vec<String>) {
+            match value {
+                Value::Set(members) => {
+                    members.iter().for_each(|(name, value)| below(&format!("{path}.{name}"), value, found))
+                }
+                _ => found.push(path.to_owned()),
+            }
+        }
+        let mut found = Vec::new();
+        for (name, entry) in self.entries.borrow().iter() {
+            if let State::Ready(Ok(value @ Value::Set(_))) = &entry.state {
+                below(name, value, &mut found);
+            }
+        }
+        found
+    }
+
     /// Whether this diagram itself has a parameter of this name.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.entries.borrow().contains_key(name)
