@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use blocksim_block::schedule::Schedule;
+use blocksim_block::schedule::{FixedMethod, Schedule, Solver};
 use blocksim_sim::{Control, Counts, Ended, Observer, Simulation};
-use blocksim_tests::compile_text;
+use blocksim_tests::{compile_file, compile_text, diagrams_below, root};
 
 /// Keeps all rows, and interrupts the run at the first step at or behind a time.
 #[derive(Default)]
@@ -218,4 +218,56 @@ fn another_model_is_refused_and_the_run_goes_on() {
     watch.stop = None;
     simulation.run(&mut watch).expect("a run");
     assert!((watch.rows.last().expect("rows").1[0] - (-2.0_f64).exp()).abs() < 1e-9);
+}
+
+/// Rows of a run in steps of the same length, with the same parameters given anew at some times; nothing if the steps are too long
+/// for the model.
+fn anew(schedule: &Arc<Schedule>, times: &[f64]) -> Option<Vec<(f64, Vec<f64>)>> {
+    let mut watch = Watch::default();
+    let mut simulation = Simulation::new(Arc::clone(schedule)).ok()?;
+    for time in times {
+        watch.stop = Some(*time);
+        if simulation.run(&mut watch).ok()? != Ended::Interrupted {
+            break;
+        }
+        simulation.tune(Arc::clone(schedule), &mut watch).expect("the same parameters");
+    }
+    watch.stop = None;
+    simulation.run(&mut watch).ok()?;
+    Some(watch.rows)
+}
+
+/// Whatever blocks remember is carried over: delays, hysteresis, filters, counters, random streams, machines, coupled circuits.
+#[test]
+fn nothing_that_a_block_remembers_is_lost() {
+    let (mut wrong, mut agreed) = (Vec::new(), 0);
+    for path in diagrams_below("docs/blocks").into_iter().chain(diagrams_below("diagrams")) {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        let Some(mut schedule) = compile_file(&name, &[]).0.schedule else { continue };
+        let stop = schedule.settings.stop_time.min(2.0);
+        let step = stop / 1000.0;
+        schedule.settings.stop_time = stop;
+        schedule.settings.solver = Solver::Fixed { method: FixedMethod::Ode4, step };
+        let schedule = Arc::new(schedule);
+        let Some(plain) = anew(&schedule, &[]) else { continue };
+        if !plain.iter().all(|(_, row)| row.iter().all(|value| value.is_finite() && value.abs() < 1e9)) {
+            continue;
+        }
+        let Some(touched) = anew(&schedule, &[0.23 * stop, 0.5 * stop, 0.77 * stop]) else {
+            wrong.push(format!("{name}: ends early"));
+            continue;
+        };
+        // Each change is a row more.
+        let last = |rows: &[(f64, Vec<f64>)]| rows.last().cloned().expect("rows");
+        let ((end, found), (same, expected)) = (last(&touched), last(&plain));
+        let differs = found.iter().zip(&expected).position(|(a, b)| a.to_bits() != b.to_bits() && a != b);
+        match differs {
+            _ if end != same => wrong.push(format!("{name}: ends at {end} and {same}")),
+            Some(n) => wrong
+                .push(format!("{name}: `{}` is {} and {}", schedule.recorded[n].path, found[n], expected[n])),
+            None => agreed += 1,
+        }
+    }
+    assert!(wrong.is_empty(), "{} models, {agreed} agreed:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(agreed > 250, "only {agreed} models");
 }
