@@ -19,6 +19,7 @@ use crate::terminal::render;
 use crate::trust::{Plugins, Purpose};
 
 /// A model and the files that it was read from.
+#[derive(Clone)]
 pub struct Loaded {
     /// What became of it.
     pub compiled: Compiled,

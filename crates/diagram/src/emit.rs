@@ -95,6 +95,10 @@ pub(crate) fn ast(ast: &Ast) -> String {
             let _ = writeln!(out, "record {}{rate}", pattern.text);
         }
     }
+    for element in &ast.panel {
+        let members: Vec<String> = element.members.iter().map(|(_, node)| written(node)).collect();
+        let _ = writeln!(out, "panel {}({})", element.kind.name(), members.join(", "));
+    }
     out
 }
 

@@ -22,6 +22,7 @@ mod mentions;
 mod model;
 mod offers;
 mod overrides;
+mod panel;
 mod parameter;
 mod problems;
 mod rates;
@@ -38,11 +39,11 @@ mod toys;
 use std::path::Path;
 use std::rc::Rc;
 
-use blocksim_block::problem::Problem;
+use blocksim_block::problem::{Place, Problem};
 use blocksim_block::schedule::{Schedule, Start};
 use blocksim_scene::Scene;
 
-pub use ast::{Ast, BlockAst, ConnectionAst, RATES, RecordAst, Reference};
+pub use ast::{Ast, BlockAst, ConnectionAst, PanelAst, PanelWord, RATES, RecordAst, Reference};
 pub use condition::{Condition, SetOutput, WhenEnabled};
 pub use emit::{Stage, Stages};
 pub use example::{example_block, example_interface};
@@ -53,6 +54,7 @@ pub use mentions::{Meaning, Mention, Mentions, Symbol, mentions};
 pub use model::{Content, Model, ModelBlock, PortKind, VariantChoice};
 pub use offers::{SIMULATION, Step, members, words};
 pub use overrides::Replaced;
+pub use panel::{PanelAction, PanelItem};
 pub use parameter::{has_parameter, parameter};
 pub use problems::not_ron;
 pub use rates::off_grid;
@@ -76,6 +78,8 @@ pub struct Compiled {
     pub variants: Vec<(String, VariantChoice)>,
     /// The values of `--set` as they were understood, as far as the compiler came.
     pub replaced: Vec<Replaced>,
+    /// What the panel changes and shows while the model runs; what shows a signal only where there are no errors.
+    pub panel: Vec<PanelItem>,
 }
 
 /// The hierarchy of a diagram, for those who look at it without running it, and the problems found on the way. Some
@@ -147,11 +151,16 @@ pub struct Options<'o> {
     pub overrides: &'o [String],
     /// Outputs that somebody looks at, as of [`compile_to_watch`].
     pub watched: &'o [String],
+    /// Patterns of signals to record beside those that the diagram records.
+    pub recorded: &'o [String],
     /// What a number without a unit means.
     pub units: Units,
     /// Whether the intermediate forms are kept as texts, which takes a twentieth of the time of a compilation.
     pub stages: bool,
 }
+
+/// What stands in the place of a file for patterns of signals from the command line.
+const RECORD: &str = "--record";
 
 /// Turns the text of a diagram into something that can run. `overrides` are `target=value` as of `--set`.
 pub fn compile(sources: &Sources, root: &Path, overrides: &[String]) -> Compiled {
@@ -191,7 +200,12 @@ pub fn compile_and_keep(sources: &Sources, root: &Path, options: &Options) -> (O
         }
         collect_variants(&model, &mut compiled.variants);
         connect::check(&model, &mut problems);
-        let flat = flatten::flatten(&model, &mut problems);
+        let held = |pattern: &String| {
+            let file = sources.hold(Path::new(RECORD), pattern);
+            (pattern.clone(), Place { file, span: 0..pattern.len() })
+        };
+        let also: Vec<(String, Place)> = options.recorded.iter().map(held).collect();
+        let flat = flatten::flatten(&model, &also, &mut problems);
         let settings = settings::settings(&model.ast, &scope, sort::end_time(&flat), strict, &mut problems);
         let rates = rates::rates(&model.ast, &scope, &settings, &mut problems);
         let title = model.ast.title.clone().unwrap_or_else(|| {
@@ -227,6 +241,11 @@ pub fn compile_and_keep(sources: &Sources, root: &Path, options: &Options) -> (O
         } else {
             // Units and shapes can be wrong as well; blocks of networks are left as they are.
             infer::infer(&flat, &mut problems);
+        }
+        if !model.ast.panel.is_empty() {
+            let all = targets::of_instances(sources, &resolver.instances.borrow());
+            let schedule = compiled.schedule.as_ref();
+            compiled.panel = panel::panel(&model.ast, &scope, &all, schedule, &mut problems);
         }
         // What is wrong may hide who reads a parameter.
         if !problems.any_error() {

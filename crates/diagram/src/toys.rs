@@ -92,7 +92,7 @@ pub(crate) fn model(blocks: &str, connections: &str) -> Model {
 
 /// The same as a list of blocks.
 pub(crate) fn flat(blocks: &str, connections: &str) -> Flat {
-    flatten(&model(blocks, connections), &mut Problems::default())
+    flatten(&model(blocks, connections), &[], &mut Problems::default())
 }
 
 /// Messages of all problems.

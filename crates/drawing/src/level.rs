@@ -39,6 +39,25 @@ pub struct Line {
     pub signal: Option<String>,
 }
 
+impl Level {
+    /// The name of the signal on a wire, from the top: of an output or of an input of a subsystem; nothing of conserving connections.
+    pub fn name_of(&self, net: usize) -> Option<String> {
+        let net = &self.graph.nets[net];
+        let end = net.ends.first().filter(|_| net.directed)?;
+        let figure = &self.figures[end.node];
+        let port = &figure.ports[end.port].name;
+        let within = |name: &str| match self.path.as_str() {
+            "" => name.to_owned(),
+            path => format!("{path}/{name}"),
+        };
+        Some(match (&figure.look, figure.name.strip_prefix("in.")) {
+            (Look::Pill, _) => format!("{}.{port}", self.path),
+            (Look::Selector, Some(input)) => format!("{}.{input}.{port}", self.path),
+            _ => format!("{}.{port}", within(&figure.name)),
+        })
+    }
+}
+
 /// The level of a model. `buses` names the inputs of the level that carry buses.
 pub fn level(model: &Model, sources: &Sources, buses: &BTreeSet<String>) -> Level {
     let mut build = Build { model, figures: Vec::new(), place: BTreeMap::new(), nets: BTreeMap::new() };

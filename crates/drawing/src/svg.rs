@@ -10,6 +10,7 @@ use crate::canvas::{Canvas, Paint, THIN, classes, escaped, number};
 use crate::colours::{Colour, Fill, fixed, marked};
 use crate::figure::{Figure, Look};
 use crate::fonts::{LINE, NAME, PORT};
+use crate::layers::{self, Facts, Layer};
 use crate::level::Level;
 use crate::marks::Marks;
 use crate::size::tag_height;
@@ -19,6 +20,8 @@ use crate::symbols;
 const DOT: Paint = Paint { colour: Colour::Ink, width: 0.0, fill: Fill::Solid };
 /// Room around the drawing.
 const EDGE: f64 = 16.0;
+/// Room for a sample of a colour, and between two of them.
+const SAMPLE: f64 = 40.0;
 /// Room for a line above the drawing.
 const HEAD: f64 = 16.0;
 
@@ -45,7 +48,33 @@ pub fn inline(level: &Level, layout: &Layout) -> String {
     draw(level, layout, None, &Marks::default())
 }
 
+/// The same with layers over it, and a line below that explains the colours of sample times.
+pub fn svg_with_layers(
+    level: &Level,
+    layout: &Layout,
+    theme: Theme,
+    facts: &Facts,
+    layers: &[Layer],
+) -> String {
+    let style = fixed(theme) + &layers::rules(theme);
+    let known = facts.on(level);
+    let over = layers.iter().map(|layer| facts.draw(*layer, level, &known, layout)).collect();
+    let legend = if layers.contains(&Layer::Rates) { facts.legend(&known) } else { Vec::new() };
+    draw_with(level, layout, Some(&style), &Marks::default(), Over { over, legend })
+}
+
+/// What is drawn over a level, and what explains it.
+#[derive(Default)]
+struct Over {
+    over: String,
+    legend: Vec<(String, String)>,
+}
+
 fn draw(level: &Level, layout: &Layout, style: Option<&str>, marks: &Marks) -> String {
+    draw_with(level, layout, style, marks, Over::default())
+}
+
+fn draw_with(level: &Level, layout: &Layout, style: Option<&str>, marks: &Marks, over: Over) -> String {
     let title = match (level.title.as_str(), level.path.as_str()) {
         ("", path) => path.to_owned(),
         (title, "") => title.to_owned(),
@@ -56,8 +85,12 @@ fn draw(level: &Level, layout: &Layout, style: Option<&str>, marks: &Marks) -> S
     let lines: Vec<_> = lines.into_iter().filter(|(text, ..)| !text.is_empty()).collect();
     let head = lines.len() as f64 * HEAD + if lines.is_empty() { 0.0 } else { 10.0 };
     let wide = lines.iter().map(|(text, size, _)| text_width(text, *size).ceil()).fold(0.0, f64::max);
+    let entries: Vec<f64> =
+        over.legend.iter().map(|(_, text)| SAMPLE + text_width(text, PORT).ceil()).collect();
+    let foot = if entries.is_empty() { 0.0 } else { HEAD + 8.0 };
+    let wide = wide.max(entries.iter().sum());
     let width = (layout.width.max(wide) + 2.0 * EDGE).ceil();
-    let height = (layout.height + head + 2.0 * EDGE).ceil();
+    let height = (layout.height + head + foot + 2.0 * EDGE).ceil();
     let mut canvas = Canvas::begin(width, height, style, &title);
     for (i, (text, size, colour)) in lines.into_iter().enumerate() {
         canvas.text(EDGE, EDGE + 10.0 + i as f64 * HEAD, size, "start", colour, text);
@@ -67,7 +100,15 @@ fn draw(level: &Level, layout: &Layout, style: Option<&str>, marks: &Marks) -> S
     for (node, (figure, placed)) in level.figures.iter().zip(&layout.nodes).enumerate() {
         block(&mut canvas, node, figure, placed, marks.has(figure));
     }
+    canvas.out.push_str(&over.over);
     canvas.out.push_str("</g>");
+    let (mut x, y) = (EDGE, height - EDGE);
+    for ((class, text), wide) in over.legend.iter().zip(entries) {
+        let _ =
+            write!(canvas.out, "<path class=\"halo {class}\" d=\"M{} {}h16\"/>", number(x), number(y - 3.0));
+        canvas.text(x + 22.0, y, PORT, "start", Colour::Ink, text);
+        x += wide;
+    }
     canvas.end()
 }
 

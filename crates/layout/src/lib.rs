@@ -31,3 +31,4 @@ pub use graph::{
     End, Form, Graph, Layout, Net, Node, Placed, PlacedPort, Point, PortKind, Segment, Side, Standing, Wire,
 };
 pub use metrics::{Metrics, metrics};
+pub use structure::feedback;

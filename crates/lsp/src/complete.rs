@@ -5,7 +5,7 @@ use std::path::Path;
 use std::collections::BTreeMap;
 
 use blocksim_block::{BlockInfo, ParameterInfo};
-use blocksim_diagram::{Step, members, words};
+use blocksim_diagram::{PanelWord, Step, members, words};
 use lsp_types::{
     CompletionItem, CompletionItemKind, Documentation, InsertTextFormat, MarkupContent, MarkupKind,
 };
@@ -17,7 +17,7 @@ use crate::names::{Section, declared};
 use blocksim_syntax::run_at;
 
 /// Sections of a diagram and what they are for.
-const SECTIONS: [(&str, &str); 9] = [
+const SECTIONS: [(&str, &str); 10] = [
     ("title", "A name for people."),
     ("parameters", "Names for values, which `--set` can replace."),
     ("simulation", "End, method and times of the output."),
@@ -27,6 +27,7 @@ const SECTIONS: [(&str, &str); 9] = [
     ("blocks", "Blocks by name, in the order of the signals."),
     ("connections", "Signals `a.y -> b.u` and joints `a.r <-> b.r`."),
     ("record", "Signals to record beside those of scopes."),
+    ("panel", "What of the model is turned and shown while it runs."),
 ];
 
 /// Settings of a simulation.
@@ -97,6 +98,12 @@ pub fn complete(
             .map(|&(word, doc)| item(word, CompletionItemKind::ENUM_MEMBER, "", doc, word.to_owned()))
             .collect(),
         Context::Connection { before } => connections(text, before, blocks),
+        Context::Panel => PanelWord::ALL.into_iter().map(|word| of_element(word, snippets)).collect(),
+        Context::PanelMember { word, given } => {
+            let missing = word.members().iter().filter(|name| !given.contains(name));
+            missing.map(|name| item(name, CompletionItemKind::FIELD, "", "", format!("{name}: "))).collect()
+        }
+        Context::PanelName { word } => panel_names(text, word, blocks),
         Context::File => files(folder, text, at),
         Context::Expression => declared(text)
             .iter()
@@ -107,6 +114,48 @@ pub fn complete(
             .collect(),
         Context::Other => Vec::new(),
     }
+}
+
+/// An element of a panel.
+fn of_element(word: PanelWord, snippets: bool) -> CompletionItem {
+    let (name, insert) = match word {
+        PanelWord::Slider | PanelWord::Knob => (word.name(), "(\"$1\", \"$2 .. $3\")"),
+        PanelWord::Gauge => (word.name(), "(\"$1\", \"$2 .. $3\")"),
+        PanelWord::Switch | PanelWord::Button | PanelWord::Lamp => (word.name(), "(\"$1\")"),
+    };
+    let insert = if snippets { format!("{name}{insert}") } else { name.to_owned() };
+    CompletionItem {
+        insert_text_format: snippets.then_some(InsertTextFormat::SNIPPET),
+        ..item(name, CompletionItemKind::CLASS, "panel", word.what(), insert)
+    }
+}
+
+/// Parameters that an element can change, or signals that it can show, of the diagram itself.
+fn panel_names(text: &str, word: PanelWord, blocks: Option<&Blocks>) -> Vec<CompletionItem> {
+    let declared = declared(text);
+    if matches!(word, PanelWord::Gauge | PanelWord::Lamp) {
+        let of_block = |(block, facts): (&String, &crate::models::Facts)| {
+            let outputs = facts.ports.iter().filter(|port| port.side == "output");
+            let named = outputs.map(|port| {
+                let name = format!("{block}.{}", port.name);
+                item(&name, CompletionItemKind::FIELD, &side(port), &port.doc, name.clone())
+            });
+            named.collect::<Vec<_>>()
+        };
+        return blocks.into_iter().flatten().flat_map(of_block).collect();
+    }
+    let of_diagram = declared.iter().filter(|declared| declared.section == Section::Parameter);
+    let mut found: Vec<CompletionItem> = of_diagram
+        .map(|one| item(one.name, CompletionItemKind::VARIABLE, "parameter", "", one.name.to_owned()))
+        .collect();
+    for block in declared.iter().filter(|declared| declared.section == Section::Block) {
+        let parameters = kind(block.kind).map(|info| info.parameters).unwrap_or_default();
+        found.extend(parameters.iter().map(|parameter| {
+            let name = format!("{}.{}", block.name, parameter.name);
+            item(&name, CompletionItemKind::FIELD, &about(parameter), parameter.doc.trim(), name.clone())
+        }));
+    }
+    found
 }
 
 /// A word that may stand as a value, with parentheses where it has members.

@@ -1,6 +1,6 @@
 //! What is meant by what stands at the cursor.
 
-use blocksim_diagram::{SIMULATION, Step};
+use blocksim_diagram::{PanelWord, SIMULATION, Step};
 
 use blocksim_syntax::{Open, is_word, scan};
 
@@ -63,6 +63,20 @@ pub enum Context<'a> {
         /// From the quote to the place.
         before: &'a str,
     },
+    /// An element of a panel.
+    Panel,
+    /// A member of an element of a panel.
+    PanelMember {
+        /// The element.
+        word: PanelWord,
+        /// Those that are there before.
+        given: Vec<&'a str>,
+    },
+    /// The parameter or the signal that an element of a panel is about.
+    PanelName {
+        /// The element.
+        word: PanelWord,
+    },
     /// The name of a file, relative to that of the text.
     File,
     /// An expression, in which parameters of the diagram may occur.
@@ -79,7 +93,12 @@ pub fn context(text: &str, at: usize) -> Context<'_> {
     if around.is_comment {
         return Context::Other;
     }
+    let element = element(&around.open);
     if let Some(from) = around.quoted {
+        if let Some(word) = element {
+            let is_name = is_about(word, inner, around.key);
+            return if is_name { Context::PanelName { word } } else { Context::Expression };
+        }
         return match (inner.sign, inner.key, inner.word, around.key) {
             ('[', "connections", ..) => Context::Connection { before: &before[from..] },
             ('(', _, "File", _) | (.., "file" | "library") => Context::File,
@@ -97,8 +116,24 @@ pub fn context(text: &str, at: usize) -> Context<'_> {
         ('(', "", "simulation") if around.key.is_empty() => Context::Setting { given: inner.keys.clone() },
         ('(', "", "simulation") if around.key == "start" => Context::Start,
         ('(', "Steady", "start") if around.key.is_empty() => Context::Steady { given: inner.keys.clone() },
-        _ => within(&around.open, around.key),
+        ('[', _, "panel") if around.open.len() == 2 => Context::Panel,
+        _ => match element.filter(|_| around.key.is_empty()) {
+            Some(word) => Context::PanelMember { word, given: inner.keys.clone() },
+            None => within(&around.open, around.key),
+        },
     }
+}
+
+/// The element of a panel that the innermost bracket belongs to.
+fn element(open: &[Open]) -> Option<PanelWord> {
+    let [.., outer, inner] = open else { return None };
+    let is_panel = open.len() == 3 && outer.sign == '[' && outer.key == "panel";
+    PanelWord::ALL.into_iter().find(|word| is_panel && word.name() == inner.word)
+}
+
+/// Whether a value names what an element is about, by its key or its position.
+fn is_about(word: PanelWord, inner: &Open, key: &str) -> bool {
+    if key.is_empty() { inner.commas == 0 } else { key == word.members()[0] }
 }
 
 /// What may stand in the innermost bracket, if it is one of a block or of the settings.
@@ -183,6 +218,15 @@ mod tests {
         assert_eq!(at("Diagram(simulation: (stop_time: 1, |"), Context::Setting { given });
         assert_eq!(at("Diagram(simulation: (start: |"), Context::Start);
         assert_eq!(at("Diagram(simulation: (start: Steady(ho|"), Context::Steady { given: Vec::new() });
+        assert_eq!(at("Diagram(panel: [|"), Context::Panel);
+        assert_eq!(at("Diagram(panel: [Sl|"), Context::Panel);
+        let name = |word| Context::PanelName { word };
+        assert_eq!(at("Diagram(panel: [Slider(\"pid.|"), name(PanelWord::Slider));
+        assert_eq!(at("Diagram(panel: [Lamp(signal: \"a|"), name(PanelWord::Lamp));
+        assert_eq!(at("Diagram(panel: [Knob(\"a.k\", \"0 .. 2*|"), Context::Expression);
+        let given = vec!["target"];
+        let member = Context::PanelMember { word: PanelWord::Switch, given };
+        assert_eq!(at("Diagram(panel: [Switch(target: \"a.k\", |"), member);
         assert_eq!(at("Diagram( // |"), Context::Other);
         assert_eq!(at("|"), Context::Other);
     }

@@ -155,6 +155,11 @@ impl RunFolder {
         self.write("manifest.json", |w| w.write_all(manifest.to_json()?.as_bytes()))
     }
 
+    /// Removes the folder with all that was written, as nobody wants the run.
+    pub fn discard(mut self) {
+        self.stays = false;
+    }
+
     /// Gives the folder its name; returns its path.
     ///
     /// # Errors

@@ -10,7 +10,10 @@ R.Diagram = (() => {
   /** @type {Map<number, Element>} */ let nodes = new Map();
   /** @type {(() => void)[]} What shows values beside the drawing. */ let lines = [];
   let chosen = -1, wire = -1, seen = true, valued = true;
-  /** @type {Record<'frame'|'crumbs'|'side'|'list', any>} */ const place = { frame: null, crumbs: null, side: null, list: null };
+  /** What can be laid over the drawing, and what of it is. */
+  const LAYERS = [['units', 'units'], ['rates', 'sample times'], ['order', 'order'], ['feedback', 'feedback'], ['loops', 'algebraic loops']];
+  /** @type {Set<string>} */ const over = new Set();
+  /** @type {Record<'frame'|'crumbs'|'side'|'list'|'legend', any>} */ const place = { frame: null, crumbs: null, side: null, list: null, legend: null };
 
   /** A drawing of its own, as a part of this page. @param {number} at @returns {SVGSVGElement} */
   const drawn = (at) => {
@@ -76,11 +79,44 @@ R.Diagram = (() => {
     show.setAttribute('aria-label', `show ${signal.path} over time`);
     return R.make('li', {}, R.make('span', { title: signal.path }, element || signal.path), ' ', value, ' ', show);
   });
-  /** What to write into the diagram to see a signal that was not recorded. @param {number} at */
+  /** How a signal that was not recorded can be seen. @param {number} at */
   const unrecorded = (at) => {
-    const [title, , directed] = net(at), name = title.split(' ')[0];
+    const [, , directed] = net(at), name = level.signals[at], { record } = R;
     if (!directed) return R.make('p', { class: 'note' }, 'A physical connection: it has no direction.');
-    return R.make('p', { class: 'note' }, 'This signal was not recorded. In the diagram ', R.make('code', {}, `record: ["${name}"]`), ' records it.');
+    if (!name) return R.make('p', { class: 'note' }, 'This signal comes from outside of this level; it can be recorded where it begins.');
+    const written = ['In the diagram ', R.make('code', {}, `record: ["${name}"]`), ' records it.'];
+    if (!record) return R.make('p', { class: 'note' }, 'This signal was not recorded. ', ...written);
+    const add = button('+ scope', () => record(name));
+    add.setAttribute('title', 'Record this signal and show it over time (Enter)');
+    return R.make('div', {}, add, R.make('p', { class: 'note' }, 'No scope shows this signal yet. For good: ', ...written));
+  };
+
+  /** What is known of a wire or of a block, where the model was compiled. @param {any} known */
+  const facts = (known) => {
+    if (!known) return [];
+    const parts = [];
+    if (known.unit) parts.push(['unit', known.unit]);
+    if (known.order?.length) parts.push(['order of evaluation', known.order.join(', ')]);
+    if (known.pace) parts.push(['changes', known.pace]);
+    if (known.back) parts.push(['direction', 'leads back (feedback)']);
+    if (known.loops?.length) parts.push(['algebraic loop', known.loops.join(', ')]);
+    return parts.length ? [R.make('dl', {}, ...parts.flatMap(([name, value]) => [R.make('dt', {}, name), R.make('dd', {}, value)]))] : [];
+  };
+  /** Lays over the drawing what is wanted. */
+  const lay = () => {
+    const svg = place.frame.querySelector('svg'), inner = svg?.querySelector('g[transform]');
+    for (const one of svg?.querySelectorAll('.layer') ?? []) one.remove();
+    const layers = level.layers;
+    for (const [name] of LAYERS) {
+      if (!inner || !layers?.svg[name] || !over.has(name)) continue;
+      const read = new DOMParser().parseFromString(`<svg xmlns="http://www.w3.org/2000/svg">${layers.svg[name]}</svg>`, 'image/svg+xml').documentElement;
+      if (read.nodeName === 'svg') inner.append(...[...read.children].map((child) => document.importNode(child, true)));
+    }
+    const loops = new Set((layers?.wires ?? []).flatMap((/** @type {any} */ one) => one.loops)), back = (layers?.wires ?? []).filter((/** @type {any} */ one) => one.back).length;
+    const words = [];
+    if (over.has('feedback')) words.push(back ? `${back} ${back === 1 ? 'wire leads' : 'wires lead'} back: dashed` : 'no wire leads back here');
+    if (over.has('loops')) words.push(loops.size ? `${loops.size} algebraic ${loops.size === 1 ? 'loop' : 'loops'} here` : 'no algebraic loop here');
+    place.legend.replaceChildren(...(over.has('rates') ? (layers?.legend ?? []).map((/** @type {[string, string]} */ [name, text]) => R.make('span', { class: 'pace' }, R.make('i', { class: name }), text)) : []), words.length ? R.make('span', {}, words.join('; ')) : '');
   };
 
   /** Tells of a wire. @param {number} at @param {boolean} [focus] */
@@ -93,7 +129,7 @@ R.Diagram = (() => {
     group.classList.add('chosen');
     if (focus) group.focus();
     const carried = courses(at);
-    place.side.replaceChildren(R.make('h3', {}, net(at)[0]), carried.length ? R.make('ul', { class: 'carried' }, ...carried) : unrecorded(at));
+    place.side.replaceChildren(R.make('h3', {}, net(at)[0]), ...facts(level.layers?.wires[at]), carried.length ? R.make('ul', { class: 'carried' }, ...carried) : unrecorded(at));
   };
   /** The next wire, or the one before. @param {number} by */
   const walk = (by) => {
@@ -121,7 +157,7 @@ R.Diagram = (() => {
     const about = R.make('dl', {}, R.make('dt', {}, 'kind'), R.make('dd', {}, kind, known?.does ? ` – ${known.does}` : ''));
     if (variant) about.append(R.make('dt', {}, 'variant'), R.make('dd', {}, variant));
     about.append(R.make('dt', {}, 'written in'), R.make('dd', {}, written));
-    const parts = [R.make('h3', {}, name), about];
+    const parts = [R.make('h3', {}, name), about, ...facts(level.layers?.blocks[n])];
     if (path !== null) parts.push(button('Go inside (Enter)', () => go(path, true)));
     if (parameters.length) {
       const means = new Map(known?.parameters ?? []);
@@ -153,6 +189,7 @@ R.Diagram = (() => {
     }
     svg.addEventListener('keydown', pressed);
     place.frame.replaceChildren(svg);
+    lay();
     R.Wires.dress(svg, place.frame, level, texts.drawings[level.drawing].nets, (/** @type {number} */ at) => follow(at));
     place.crumbs.replaceChildren(...['', ...parts].flatMap((name, n) => {
       const target = parts.slice(0, n).join('/');
@@ -177,6 +214,7 @@ R.Diagram = (() => {
     else if (event.key === 'Backspace' && level.path) out();
     else if (wire >= 0 && /^Arrow(Left|Right)$/.test(event.key)) { const ends = net(wire)[1]; choose(event.key === 'ArrowLeft' ? ends[0] : ends[1] ?? ends[0], true); }
     else if (/^Arrow/.test(event.key)) { const next = beside(chosen, event.key); if (next >= 0) choose(next, true); }
+    else if (wire >= 0 && (event.key === 'Enter' || event.key === ' ')) place.side.querySelector('button')?.click();
     else if (event.key === 'Enter' || event.key === ' ') choose(chosen);
     else return;
     event.preventDefault();
@@ -251,7 +289,13 @@ R.Diagram = (() => {
     values.checked = valued;
     values.addEventListener('change', () => { valued = values.checked; place.frame.classList.toggle('bare', !valued); tell(); });
     const find = button('Find (/)', () => R.Search.open());
-    view.append(R.make('div', { class: 'diagram-bar screen' }, place.crumbs, R.make('label', {}, values, ' values (V)'), find), R.make('div', { class: 'diagram-parts screen' }, place.frame, place.side), place.list);
+    const layers = LAYERS.map(([name, text]) => {
+      const box = R.make('input', { type: 'checkbox' });
+      box.addEventListener('change', () => { if (box.checked) over.add(name); else over.delete(name); lay(); });
+      return R.make('label', {}, box, ` ${text}`);
+    });
+    place.legend = R.make('div', { class: 'legend', role: 'status' });
+    view.append(R.make('div', { class: 'diagram-bar screen' }, place.crumbs, R.make('label', {}, values, ' values (V)'), ...(read.levels[0].layers ? layers : []), find), R.make('div', { class: 'diagram-parts screen' }, R.make('div', {}, place.frame, place.legend), place.side), place.list);
     new IntersectionObserver((all) => { seen = all.some((one) => one.isIntersecting); tell(); }).observe(place.frame);
     R.onTime.push(tell);
     /** @type {any} */ let paper = null;

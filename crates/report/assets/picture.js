@@ -55,7 +55,7 @@ R.Picture = (() => {
   const plot = (panel, drawn, columns, place, height, last) => {
     const u = new uPlot({
       width: Math.max(place.clientWidth, 280), height, legend: { show: false }, padding: [8, 20, 0, 0],
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, ...(panel.reach && height > 100 ? { y: { range: (/** @type {any} */ _, /** @type {number|null} */ low, /** @type {number|null} */ high) => panel.reach(low, high) } } : {}) },
       cursor: { sync: { key: 'time', setSeries: false }, drag: { x: true, y: false }, points: { size: 6 }, bind: { mousedown: pressed } },
       series: [{}, ...drawn],
       axes: [

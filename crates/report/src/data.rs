@@ -183,6 +183,10 @@ pub struct Level {
     pub blocks: Vec<Option<Inspected>>,
     /// What the wires carry, in the order of `data-net`, as far as it was recorded.
     pub probes: Vec<Vec<Probe>>,
+    /// Names of the signals on the wires, from the top, in the same order; none for what is not one output.
+    pub signals: Vec<Option<String>>,
+    /// What is laid over the drawing, as the page takes it; null without.
+    pub layers: serde_json::Value,
 }
 
 /// What is told of a block.

@@ -23,11 +23,15 @@ pub fn texts(report: &Report) -> Value {
             });
             known.collect::<Vec<_>>()
         });
-        json!({
+        let mut data = json!({
             "path": level.path, "title": level.title, "drawing": level.drawing,
             "blocks": level.blocks.iter().map(|block| block.as_ref().map(inspected)).collect::<Vec<_>>(),
-            "probes": probes.collect::<Vec<_>>(),
-        })
+            "probes": probes.collect::<Vec<_>>(), "signals": level.signals,
+        });
+        if !level.layers.is_null() {
+            data["layers"] = level.layers.clone();
+        }
+        data
     });
     let kinds: serde_json::Map<String, Value> = diagram
         .kinds

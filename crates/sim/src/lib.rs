@@ -40,6 +40,7 @@ pub use rows::record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;
 pub use steady::Rest;
+pub use tuning::untunable;
 pub use variation::chain::Origin;
 pub use variation::frozen::{Frozen, Tap};
 pub use variation::period::{Period, PeriodMap};

@@ -74,6 +74,8 @@ pub struct Simulation {
     pub(crate) unasked: u32,
     /// Whether its last answer was to stop.
     pub(crate) interrupted: bool,
+    /// Time at which it was asked last whether it waits, s.
+    pub(crate) looked: f64,
     /// Present if the run is audited.
     pub(crate) audit: Option<Audit>,
     /// The steady state that it began in.
@@ -199,6 +201,7 @@ impl Simulation {
             started: false,
             unasked: 0,
             interrupted: false,
+            looked: f64::NEG_INFINITY,
             audit: None,
             rest: None,
             majors: 0,
@@ -238,12 +241,17 @@ impl Simulation {
             }
             // Who runs again has changed the answer.
             let answered = std::mem::take(&mut self.interrupted);
-            if !answered
-                && (self.asks() || observer.is_waiting(self.t))
-                && observer.progress(self.t, &self.counts()) == Control::Stop
-            {
-                self.interrupted = true;
-                return Ok(Ended::Interrupted);
+            // Once at each time, however often a step begins there: so a stop is told by its time alone.
+            let is_later = self.t > self.looked;
+            self.looked = self.t;
+            if !answered {
+                let asks = self.asks();
+                let stops = is_later && observer.is_waiting(self.t)
+                    || asks && observer.progress(self.t, &self.counts()) == Control::Stop;
+                if stops {
+                    self.interrupted = true;
+                    return Ok(Ended::Interrupted);
+                }
             }
             self.update()?;
             let stop = self.next_stop(end)?;
@@ -321,6 +329,11 @@ impl Simulation {
     /// The compiled diagram.
     pub fn schedule(&self) -> &Schedule {
         &self.schedule
+    }
+
+    /// The compiled diagram, to be shared.
+    pub fn shared_schedule(&self) -> Arc<Schedule> {
+        Arc::clone(&self.schedule)
     }
 
     /// Present time, s.

@@ -1,5 +1,8 @@
 //! Save and restore.
 
+use std::sync::Arc;
+
+use blocksim_block::schedule::Schedule;
 use blocksim_solve::Memory;
 
 use crate::events::guards::Guards;
@@ -8,7 +11,7 @@ use crate::ignored_states::Sizes;
 use crate::rows::refine::Refine;
 use crate::stepping::methods;
 use crate::stepping::past::Past;
-use crate::{SimError, Simulation};
+use crate::{Counts, SimError, Simulation};
 
 /// All that a simulation remembers, between two calls of `run`.
 ///
@@ -39,6 +42,11 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
+    /// When it was taken, s.
+    pub fn time(&self) -> f64 {
+        self.t
+    }
+
     /// Discrete states of all blocks.
     pub(crate) fn discrete(&self) -> &[f64] {
         &self.d
@@ -69,6 +77,19 @@ impl Simulation {
             unasked: self.unasked,
             interrupted: self.interrupted,
         }
+    }
+
+    /// A simulation that goes on from a snapshot of another one of the same schedule, and counts on from its work.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new), but for the steady state, which is not sought; `settings` if the snapshot is of another diagram.
+    pub fn resume(schedule: Arc<Schedule>, snapshot: &Snapshot, counts: Counts) -> Result<Self, SimError> {
+        let mut simulation = Self::given(schedule)?;
+        simulation.restore(snapshot)?;
+        (simulation.majors, simulation.events, simulation.hit_count) =
+            (counts.major, counts.events, counts.hits);
+        simulation.carried = counts;
+        Ok(simulation)
     }
 
     /// Goes back, or on, to a snapshot of a simulation of the same schedule. Counts begin anew.
@@ -109,6 +130,7 @@ impl Simulation {
             stepper.recall(memory);
         }
         (self.unasked, self.interrupted) = (snapshot.unasked, snapshot.interrupted);
+        self.looked = if self.started { self.t } else { f64::NEG_INFINITY };
         (self.majors, self.events, self.hit_count) = (0, 0, 0);
         Ok(())
     }

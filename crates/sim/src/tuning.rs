@@ -22,7 +22,7 @@ impl Simulation {
         schedule: Arc<Schedule>,
         observer: &mut dyn Observer,
     ) -> Result<Vec<String>, SimError> {
-        if let Some(difference) = difference(&self.schedule, &schedule) {
+        if let Some(difference) = untunable(&self.schedule, &schedule) {
             let message = format!("the parameters make another model: {difference}");
             let help = "run it from the start; while a run goes on, parameters may change numbers, not what there is";
             return Err(SimError::new("tuning", self.t, message).help(help));
@@ -61,6 +61,7 @@ impl Simulation {
         next.carried = self.counts();
         // It was interrupted, and that has been told.
         next.interrupted = self.interrupted;
+        next.looked = self.t;
         next.begin_anew(observer)?;
         *self = next;
         Ok(without_effect)
@@ -78,8 +79,8 @@ fn starting_otherwise(one: &Simulation, other: &Simulation) -> Vec<String> {
     one.schedule.blocks.iter().filter(differs).map(|block| block.path.clone()).collect()
 }
 
-/// What makes it impossible to carry states over; nothing if they mean the same in both.
-fn difference(now: &Schedule, next: &Schedule) -> Option<String> {
+/// What makes it impossible to go on with another schedule in the middle of a run; nothing if states and signals mean the same in both.
+pub fn untunable(now: &Schedule, next: &Schedule) -> Option<String> {
     for (one, other) in now.blocks.iter().zip(&next.blocks) {
         if one.path != other.path || one.kind != other.kind {
             return Some(format!("`{}` stands where `{}` stood", other.path, one.path));

@@ -4,14 +4,14 @@
 /* global R */
 
 /** @type {any} */ (R).Keys = (() => {
-  const { Live, Values } = /** @type {any} */ (R);
+  const { Live, Panel, Futures, Values } = /** @type {any} */ (R);
   const KEYS = [
     ['F5', 'run the model'], ['Esc', 'end the run; what it has recorded is kept'], ['Space', 'pause and go on'], ['S', 'paused: to the next row'],
-    ['1 – 6', 'project, diagram, parameters, motion, run, results'], ['Ctrl Z', 'take the last change of a text back'],
+    ['1 – 8', 'project, diagram, parameters, motion, run, results, sweep, linear analysis'], ['Ctrl Z', 'take the last change of a text back'],
     ['arrows', 'diagram: along the wires, where a block is chosen'], ['Enter, Backspace', 'diagram: into a block, one level up'], ['W', 'diagram: from wire to wire (Shift: back)'],
-    ['V', 'diagram: values on wires'], ['/', 'find a block, a signal, a parameter (also Ctrl K)'], ['D', 'light or dark'], ['?', 'this list'],
+    ['P', 'to the panel of the model'], ['B', 'back to the instant that one looks at'], ['M', 'keep that instant in the list'], ['V', 'diagram: values on wires'], ['/', 'find a block, a signal, a parameter (also Ctrl K)'], ['D', 'light or dark'], ['?', 'this list'],
   ];
-  const SCREENS = ['project', 'diagram', 'values', 'motion', 'run', 'runs'];
+  const SCREENS = ['project', 'diagram', 'values', 'motion', 'run', 'runs', 'sweep', 'linear'];
   let single = true;
 
   const theme = () => {
@@ -46,7 +46,7 @@
     const does = { F5: Live.start };
     if (!typing && !event.altKey) {
       Object.assign(does, { Escape: Live.end, Backspace: () => R.Diagram?.out() });
-      if (single) Object.assign(does, { ' ': Live.pause, s: Live.step, d: theme, '?': help, '/': () => R.Search?.open(), w: () => R.Diagram?.walk(event.shiftKey ? -1 : 1), v: () => R.Diagram?.keys.v() }, Object.fromEntries(SCREENS.map((screen, n) => [String(n + 1), () => { location.hash = `#${screen}`; }])));
+      if (single) Object.assign(does, { ' ': Live.pause, s: Live.step, d: theme, b: Futures.back, m: Futures.mark, p: () => { location.hash = '#run'; setTimeout(Panel.focus); }, '?': help, '/': () => R.Search?.open(), w: () => R.Diagram?.walk(event.shiftKey ? -1 : 1), v: () => R.Diagram?.keys.v() }, Object.fromEntries(SCREENS.map((screen, n) => [String(n + 1), () => { location.hash = `#${screen}`; }])));
     }
     const action = does[event.key] ?? does[letter];
     if (!action || (event.key === ' ' && event.target instanceof HTMLButtonElement)) return;

@@ -1,16 +1,21 @@
 // @ts-check
 'use strict';
 // A run while it runs: how far it is, scopes that fill, pause, speed, and what became of it.
-/* global R */
+/* global R, uPlot */
 
 /** @type {any} */ (R).Live = (() => {
-  const { Desk } = /** @type {any} */ (R);
+  const { Desk, Panel, Futures } = /** @type {any} */ (R);
+  /** Numbers beside the pictures change no more often than this, ms. */
+  const READ = 100;
   /** Numbers that a scope has room for at first. */
   const ROOM = 4096;
   /** @type {any} */ let state = null;
   /** @type {any[]} */ let panels = [];
   /** @type {Float64Array[]} Columns with room behind what is known: the times, then the values. */ let columns = [];
-  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '';
+  /** Whether values are missing, by column. @type {boolean[]} */ let gaps = [];
+  let read = 0, readLater = 0;
+  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, draws = false, wanted = '', model = '';
+  /** Signals that are recorded beside those of the model. @type {Set<string>} */ const extra = new Set();
   /** @type {any} */ const place = { line: null, bar: null, pause: null, step: null, speed: null, follow: null };
   const running = () => state?.state === 'running' || state?.state === 'paused';
 
@@ -19,37 +24,54 @@
 
   /** Lays the scopes of a run out, empty. @param {any} told */
   const scopes = (told) => {
-    const place = document.getElementById('plots');
-    if (!place) return;
-    place.replaceChildren();
+    const look = document.getElementById('plots');
+    if (!look) return;
+    look.replaceChildren();
     panels = told.panels;
     R.data.panels = panels;
     columns = [];
+    gaps = [];
     rows = 0;
     until = told.until;
     R.span = [0, until];
-    const count = 1 + Math.max(-1, ...panels.flatMap((panel) => panel.series.map((/** @type {any} */ s) => s.column)));
-    for (let n = 0; n <= count; n++) columns.push(new Float64Array(ROOM));
+    Futures.begin();
+    // Those of the panel stand behind those of the scopes.
+    shown = 1 + panels.reduce((sum, panel) => sum + panel.series.length, 0);
+    for (let n = 0; n < shown + told.shown.length; n++) columns.push(new Float64Array(ROOM));
+    Panel.quiet();
     for (const panel of panels) {
       panel.time = columns[0].subarray(0, 0);
       for (const s of panel.series) s.values = panel.time;
       panel.byOrder = [...panel.series];
+      // Where other futures are drawn as well, they have room.
+      panel.reach = (/** @type {number|null} */ low, /** @type {number|null} */ high) => {
+        const [least, most] = Futures.reach(panel) ?? [Infinity, -Infinity];
+        const [min, max] = [Math.min(low ?? Infinity, least), Math.max(high ?? -Infinity, most)];
+        return min <= max ? uPlot.rangeNum(min, max, 0.1, true) : [null, null];
+      };
       const roles = panel.series.map((/** @type {any} */ s) => s.role).sort().join();
       panel.series.sort((/** @type {any} */ a, /** @type {any} */ b) => Number(a.role === 'set') - Number(b.role === 'set'));
       panel.pair = roles === 'actual,set' ? [1, 0] : null;
       if (panel.pair) panel.series[0].error = panel.time;
     }
-    R.Plots.cards(place, panels);
+    R.Plots.cards(look, panels);
     // The range of times is that of the run; nobody zooms while it grows.
     for (const panel of panels) for (const u of [panel.main, panel.strip]) if (u) u.live = false;
+    watch.disconnect();
+    for (const panel of panels) { panel.seen = false; watch.observe(panel.card); }
     range();
+    if (wanted) { const name = wanted; wanted = ''; setTimeout(() => R.Plots.find(panels.flatMap((panel) => panel.series).find((/** @type {any} */ s) => s.path === name || s.path.startsWith(`${name}[`))?.path)); }
   };
 
   /** Times that are shown: all, or the last ones. */
   const range = () => {
+    for (const panel of panels) if (panel.seen || !rows) ranged(panel); else panel.stale = true;
+  };
+  /** @param {any} panel */
+  const ranged = (panel) => {
     const now = rows ? columns[0][rows - 1] : 0;
     const [min, max] = follow && now > follow ? [now - follow, now] : [0, follow || until];
-    for (const panel of panels) for (const u of [panel.main, panel.strip]) u?.setScale('x', { min, max });
+    for (const u of [panel.main, panel.strip]) u?.setScale('x', { min, max });
   };
 
   /** Adds rows. @param {any} told */
@@ -60,8 +82,24 @@
       columns = columns.map((column) => { const wide = new Float64Array(Math.max(2 * column.length, rows + more)); wide.set(column); return wide; });
     }
     columns[0]?.set(times, rows);
-    for (let n = 1; n < columns.length; n++) columns[n].set(values.subarray((n - 1) * more, n * more), rows);
+    for (let n = 1; n < columns.length; n++) {
+      const part = values.subarray((n - 1) * more, n * more);
+      columns[n].set(part, rows);
+      gaps[n] ||= !part.every(Number.isFinite);
+    }
     rows += more;
+    if (!dirty) { dirty = true; requestAnimationFrame(draw); }
+  };
+
+  /** The run stands at an instant of its past: what came behind it is another future. @param {any} told */
+  const back = ({ t, set, refused }) => {
+    if (refused) { Desk.say(refused, true); return; }
+    let kept = rows;
+    while (kept > 0 && columns[0][kept - 1] >= t) kept--;
+    Futures.leave(t, columns, rows, kept);
+    rows = kept;
+    for (const panel of panels) panel.offRows = Math.min(panel.offRows ?? 0, rows);
+    Panel.adopt(set);
     if (!dirty) { dirty = true; requestAnimationFrame(draw); }
   };
 
@@ -75,22 +113,58 @@
         s.values = columns[s.column + 1].subarray(0, rows);
         if (s.signal) [s.signal.time, s.signal.values] = [time, s.values];
       }
-      const shown = panel.series.map((/** @type {any} */ s) => s.values);
-      panel.main.setData([time, ...shown.map(plain)], false);
-      if (panel.strip) {
-        const [set, actual] = panel.pair.map((/** @type {number} */ at) => panel.series[at].values);
-        // Where one has jumped by a turn and the other has not, a turn is no error.
-        const off = (/** @type {number} */ x) => panel.turn ? x - panel.turn * Math.round(x / panel.turn) : x;
-        panel.strip.setData([time, plain(actual.map((/** @type {number} */ x, /** @type {number} */ n) => off(set[n] - x)))], false);
-      }
+      // What is out of sight is drawn when it comes into sight.
+      if (panel.seen) paint(panel); else panel.stale = true;
     }
     range();
     if (running() && rows) { state.t = time[rows - 1]; told(); }
-    R.setTime(rows ? time[rows - 1] : 0);
-    for (const panel of panels) { R.Picture.mark(panel); for (const s of panel.series) s.tell(); }
+    draws = true;
+    R.setTime(Futures.chosen() ?? (rows ? time[rows - 1] : 0));
+    draws = false;
+    Futures.told();
+    for (const panel of panels) if (panel.seen) R.Picture.mark(panel);
+    tell();
+    if (rows) Panel.show(columns.slice(shown).map((column) => column[rows - 1]));
   };
-  /** What is missing is null for the plots. @param {Float64Array} values */
-  const plain = (values) => values.every(Number.isFinite) ? values : Array.from(values, (x) => Number.isFinite(x) ? x : null);
+  /** Gives a picture its rows. @param {any} panel */
+  const paint = (panel) => {
+    panel.stale = false;
+    const time = columns[0].subarray(0, rows);
+    panel.main.setData([time, ...panel.series.map((/** @type {any} */ s) => plain(s.values, gaps[s.column + 1]))], false);
+    if (panel.strip) panel.strip.setData([time, errors(panel)], false);
+  };
+  /** How far set and actual values are from each other; only new rows are computed. @param {any} panel */
+  const errors = (panel) => {
+    const [set, actual] = panel.pair.map((/** @type {number} */ at) => panel.series[at]);
+    if (!panel.off || panel.off.length < rows) { const wide = new Float64Array(columns[0].length); wide.set(panel.off?.subarray(0, panel.offRows) ?? []); panel.off = wide; }
+    for (let n = panel.offRows ?? 0; n < rows; n++) {
+      const x = set.values[n] - actual.values[n];
+      // Where one has jumped by a turn and the other has not, a turn is no error.
+      panel.off[n] = panel.turn ? x - panel.turn * Math.round(x / panel.turn) : x;
+    }
+    panel.offRows = rows;
+    return plain(panel.off.subarray(0, rows), gaps[set.column + 1] || gaps[actual.column + 1]);
+  };
+  /** Numbers beside the pictures change no more often than can be read. */
+  const tell = () => {
+    clearTimeout(readLater);
+    const left = read + READ - performance.now();
+    if (left > 0) { readLater = setTimeout(tell, left); return; }
+    read = performance.now();
+    for (const panel of panels) if (panel.seen) for (const s of panel.series) s.tell();
+  };
+  /** Draws what has come into sight. */
+  const watch = new IntersectionObserver((all) => {
+    for (const one of all) {
+      const panel = panels.find((candidate) => candidate.card === one.target);
+      if (!panel) continue;
+      panel.seen = one.isIntersecting;
+      if (panel.seen && panel.stale && columns.length) { paint(panel); ranged(panel); }
+      if (panel.seen) { R.Picture.mark(panel); for (const s of panel.series) s.tell(); }
+    }
+  }, { rootMargin: '100px' });
+  /** What is missing is null for the plots. @param {Float64Array} values @param {boolean} missing */
+  const plain = (values, missing) => missing ? Array.from(values, (x) => Number.isFinite(x) ? x : null) : values;
 
   const told = () => {
     if (!place.line) return;
@@ -124,15 +198,42 @@
     const before = state?.state;
     state = now;
     told();
+    Futures.renew(now);
     if (before !== now.state && before !== undefined) Desk.say(said, now.state === 'failed');
   };
 
   const control = (/** @type {any} */ body) => Desk.ask('control', body).catch(Desk.refuse);
-  /** Runs the model. */
-  const start = async () => {
-    if (running()) return;
+  /** Runs the model with these values, and with what its panel shows of other parameters. @param {string[]} sets */
+  const run = async (sets) => {
+    if (running()) { Desk.say('a run goes on already; end it, or wait for it', true); return; }
+    const named = new Set(sets.map((set) => set.split('=')[0]));
     location.hash = '#run';
-    try { await Desk.ask('run', { speed: Number(place.speed.value), set: settings() }); } catch (error) { Desk.refuse(error); }
+    try { await Desk.ask('run', { speed: Number(place.speed.value), set: [...settings().filter((set) => !named.has(set.split('=')[0])), ...sets], record: [...extra] }); } catch (error) { Desk.refuse(error); }
+  };
+  /** Runs the model. */
+  const start = () => { if (!running()) run([]); };
+
+  /** The run as it is, with other signals recorded: from its start, and soon where it was. */
+  const again = () => { if (state && state.state !== 'idle') Desk.ask('run', { again: true, record: [...extra], speed: Number(place.speed.value) }).catch(Desk.refuse); };
+  /** Records a signal and shows it over time, in this run and in those to come. @param {string} name */
+  const record = (name) => {
+    extra.add(name);
+    recorded();
+    wanted = name;
+    const runs = state && !['idle', 'starting'].includes(state.state);
+    Desk.say(runs ? `${name} is recorded: the run is repeated to where it was` : `${name} is recorded by the next run`);
+    if (runs) again();
+  };
+  const recorded = () => {
+    const chip = (/** @type {string} */ name) => R.make('li', {}, R.make('bdi', {}, name), ' ', Desk.button('×', () => { extra.delete(name); recorded(); }, { 'aria-label': `Do not record ${name}`, title: 'Not in the runs to come' }));
+    place.extra.replaceChildren(...(extra.size ? [R.make('b', {}, 'Recorded as well'), R.make('ul', {}, ...[...extra].map(chip))] : []));
+  };
+  /** What was asked for of another model has no meaning here. @param {string} name @param {boolean} has Whether it has a panel. */
+  const of = (name, has) => {
+    if (model && model !== name) { extra.clear(); recorded(); }
+    model = name;
+    // Who turns something is to see what comes of it.
+    if (!place.paced) place.speed.value = has ? '1' : '0';
   };
 
   const build = () => {
@@ -144,14 +245,21 @@
     place.pause = Desk.button('❚❚ Pause', () => control({ do: state?.state === 'paused' ? 'go' : 'pause' }), { title: 'Pause and go on (Space)' });
     place.step = Desk.button('Step', () => control({ do: 'step' }), { title: 'To the next row (S)' });
     place.speed = R.make('select', { 'aria-label': 'Speed', title: 'Speed' }, ...[['0', 'as fast as it can'], ['0.1', '0.1 × real time'], ['0.5', '0.5 × real time'], ['1', 'real time'], ['2', '2 × real time'], ['10', '10 × real time']].map(([value, text]) => R.make('option', { value }, text)));
-    place.speed.addEventListener('change', () => control({ do: 'speed', speed: Number(place.speed.value) }));
+    place.speed.addEventListener('change', () => { place.paced = true; control({ do: 'speed', speed: Number(place.speed.value) }); });
     place.follow = R.make('select', { 'aria-label': 'Times shown', title: 'Times shown' }, ...[['0', 'all times'], ['0.1', 'the last 0.1 s'], ['1', 'the last 1 s'], ['2', 'the last 2 s'], ['10', 'the last 10 s']].map(([value, text]) => R.make('option', { value }, text)));
     place.follow.addEventListener('change', () => { follow = Number(place.follow.value); range(); });
-    view.replaceChildren(place.line, place.bar, R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow), place.knobs);
+    place.extra = R.make('div', { class: 'extra' });
+    const past = R.make('div', { class: 'past' });
+    view.replaceChildren(place.line, place.bar, R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow), past, place.extra, place.knobs);
+    Futures.build(past, { control, rows: () => rows, time: () => rows ? columns[0][rows - 1] : 0, state: () => state, draws: () => draws, redraw: draw, goesBack: () => ['running', 'paused', 'done', 'failed'].includes(state?.state) });
+    Panel.build(document.getElementById('panel'), { running, set: (/** @type {string} */ set) => control({ do: 'set', set }) });
     told();
     Desk.on('scopes', (/** @type {any} */ data) => { R.guarded('The scopes', () => scopes(data)); });
     Desk.on('rows', add);
-    Desk.on('tuned', (/** @type {any} */ { t, set, refused, help, without_effect: lost }) => {
+    Desk.on('back', back);
+    Desk.on('tuned', (/** @type {any} */ told) => {
+      const { t, set, refused, help, without_effect: lost } = told;
+      Panel.tuned(told);
       const one = knobs.get(set.split('=')[0]);
       if (one) { one.told.textContent = refused ? [refused, help].filter(Boolean).join(' – ') : `since ${R.say(t)} s${lost?.length ? `; values at the start of ${lost.join(', ')} have no effect any more` : ''}`; one.told.classList.toggle('bad', Boolean(refused)); }
     });
@@ -189,7 +297,7 @@
     Desk.say(`${name} can be turned while a run goes on`);
   };
   /** What has been set for runs, as `--set` takes it: what stands in the fields. */
-  const settings = () => [...knobs].filter(([, one]) => one.field.value !== one.field.defaultValue).map(([name, one]) => `${name}=${one.field.value}`);
+  const settings = () => [...Panel.settings(), ...[...knobs].filter(([, one]) => one.field.value !== one.field.defaultValue).map(([name, one]) => `${name}=${one.field.value}`)];
 
   /** What a run that goes on, or the last one, has shown before this page was there. */
   const catchUp = async () => {
@@ -197,7 +305,7 @@
     const { scopes: told, rows: all } = await Desk.ask('live');
     if (!told || rows) return;
     R.guarded('The scopes', () => scopes(told));
-    for (const one of all) add(one);
+    for (const one of all) if (one.type === 'back') back(one); else add(one);
   };
   const fit = () => {
     for (const panel of panels) for (const u of [panel.main, panel.strip]) {
@@ -205,5 +313,5 @@
       if (width > 0) u.setSize({ width, height: u.heights.screen });
     }
   };
-  return { build, renew, turn, again: () => { fresh = true; }, start, fit, span, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
+  return { build, renew, turn, record, of, run, again: () => { fresh = true; }, start, fit, span, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
 })();

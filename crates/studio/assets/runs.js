@@ -14,8 +14,8 @@
     if (name) {
       if (shown === name) return;
       shown = name;
-      const page = R.make('iframe', { src: `/runs/${encodeURIComponent(name)}`, title: `Results of ${name}`, class: 'run-page' });
-      view.replaceChildren(R.make('p', {}, R.make('a', { href: '#runs' }, 'All runs'), ' ', R.make('b', {}, name), ' ', R.make('a', { href: `/runs/${encodeURIComponent(name)}`, target: '_blank', rel: 'noreferrer' }, 'in a page of its own')), page);
+      const page = R.make('iframe', { src: `/runs/${encodeURIComponent(name)}`, title: `Results of ${name.replace('~', ' beside ')}`, class: 'run-page' });
+      view.replaceChildren(R.make('p', {}, R.make('a', { href: '#runs' }, 'All runs'), ' ', R.make('b', {}, name.replace('~', ' beside ')), ' ', R.make('a', { href: `/runs/${encodeURIComponent(name)}`, target: '_blank', rel: 'noreferrer' }, 'in a page of its own')), page);
       return;
     }
     shown = '';

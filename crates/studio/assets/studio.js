@@ -4,8 +4,10 @@
 /* global R */
 
 (() => {
-  const { Desk, Project, Live, Values, Motion, Runs, Keys } = /** @type {any} */ (R);
+  const { Desk, Project, Panel, Live, Values, Motion, Runs, Sweep, Linear, Keys } = /** @type {any} */ (R);
   let drawn = 0;
+  /** @type {any} */ let texts = null;
+  /** What the scopes of the model show of each wire, level by level. @type {any[]} */ let known = [];
 
   /** The screen that the address names, and what stands behind it. */
   const asked = () => { const [screen, ...rest] = location.hash.slice(1).split('/'); return [document.getElementById(screen)?.matches('main > section') ? screen : 'project', decodeURIComponent(rest.join('/'))]; };
@@ -18,22 +20,38 @@
     if (screen === 'runs') Runs.renew(rest);
     if (screen === 'run') { Live.span(); Live.fit(); }
     if (screen === 'motion') Motion.renew(Project.known()?.version ?? 0);
+    if (screen === 'sweep') Sweep.renew(Project.known()?.version ?? 0);
+    if (screen === 'linear') Linear.renew(Project.known()?.version ?? 0);
     if (screen === 'diagram') { Live.span(); diagram(); }
     scrollTo(0, 0);
+  };
+
+  /** What the wires carry is told by the scopes of the run, where they show it. */
+  const probe = () => {
+    /** @type {Map<string, [number, number]>} */ const places = new Map();
+    R.data.panels.forEach((/** @type {any} */ panel, /** @type {number} */ at) => panel.byOrder?.forEach((/** @type {any} */ s, /** @type {number} */ n) => { if (!places.has(s.path)) places.set(s.path, [at, n]); }));
+    texts.levels.forEach((/** @type {any} */ level, /** @type {number} */ n) => {
+      level.probes = known[n].map((/** @type {any[]} */ probes, /** @type {number} */ at) => {
+        const scoped = probes.flatMap(([element, panel, place]) => { const there = places.get(texts.panels[panel]?.[place]); return there ? [[element, ...there]] : []; });
+        const name = level.signals[at];
+        if (scoped.length || !name) return scoped;
+        // What was asked for in this run alone.
+        return [...places].filter(([path]) => path === name || path.startsWith(`${name}[`) || path.startsWith(`${name}.`)).map(([path, there]) => [path.slice(name.length), ...there]);
+      });
+    });
   };
 
   /** Draws the model, if it has changed since and somebody looks at it. */
   const diagram = async () => {
     const version = Project.known()?.version ?? 0;
     if (drawn === version || asked()[0] !== 'diagram') return;
-    const texts = await Desk.ask('diagram');
+    texts = await Desk.ask('diagram');
     if (!texts) return;
     drawn = version;
     const style = document.getElementById('drawing-style');
     if (style) style.textContent = texts.style;
-    // What the wires carry is told by the scopes of a run, if it is of this model.
-    const same = JSON.stringify(texts.panels) === JSON.stringify(R.data.panels.map((/** @type {any} */ panel) => panel.byOrder?.map((/** @type {any} */ s) => s.path) ?? []));
-    if (!same) for (const level of texts.levels) level.probes = level.probes.map(() => []);
+    known = texts.levels.map((/** @type {any} */ level) => level.probes);
+    probe();
     R.guarded('The diagram', () => {
       R.Signals.build(texts);
       if (R.Diagram.has()) R.Diagram.renew(texts); else R.Diagram.build(texts);
@@ -46,6 +64,8 @@
     try {
       const told = await Desk.ask('project');
       Project.renew(told);
+      Panel.renew(told.panel);
+      Live.of(told.model, told.panel.length > 0);
       Live.renew(told.run);
       document.title = `${told.title} – blocksim`;
       await Live.catchUp();
@@ -53,6 +73,8 @@
       const [screen, rest] = asked();
       if (screen === 'values') await Values.renew();
       if (screen === 'motion') await Motion.renew(told.version);
+      if (screen === 'sweep') await Sweep.renew(told.version);
+      if (screen === 'linear') await Linear.renew(told.version);
       if (screen === 'runs') await Runs.renew(rest);
       document.documentElement.dataset.ready = 'true';
     } catch (error) {
@@ -69,6 +91,7 @@
   onScreen(R.Plots, 'find', 'run');
   onScreen(Values, 'find', 'values');
   R.change = Values.find;
+  R.record = Live.record;
   Keys.build();
   Live.build();
   document.getElementById('models')?.addEventListener('change', (event) => {
@@ -78,6 +101,7 @@
   window.addEventListener('hashchange', show);
   // Whoever comes back, or was away for a while, asks for everything anew.
   Desk.on('open', () => { Live.again(); renew(); });
+  Desk.on('scopes', () => { if (texts && R.Diagram.has()) R.guarded('The diagram', () => { probe(); R.Signals.build(texts); R.Diagram.renew(texts); }); });
   Desk.on('model', renew);
   Desk.on('run', (/** @type {any} */ now) => { if (['done', 'stopped', 'failed'].includes(now.state)) renew(); });
   show();

@@ -9,13 +9,18 @@ macro_rules! own {
 }
 
 /// Scripts of the studio, in their order behind those of the page of a run.
-pub(crate) const OWN: [Asset; 8] = [
+pub(crate) const OWN: [Asset; 13] = [
     own!("desk.js"),
     own!("project.js"),
+    own!("panel.js"),
+    own!("futures.js"),
     own!("live.js"),
     own!("values.js"),
     own!("motion.js"),
     own!("runs.js"),
+    own!("charts.js"),
+    own!("linear.js"),
+    own!("sweep.js"),
     own!("keys.js"),
     own!("studio.js"),
 ];

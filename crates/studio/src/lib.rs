@@ -30,7 +30,7 @@ pub trait Desk: Send + Sync {
     /// Does what is asked for at a path below `/api/`; `body` is what was sent.
     fn act(&self, path: &str, body: &Value) -> Reply;
 
-    /// A page of its own at a path below `/runs/`, whose scripts can reach nothing of the studio.
+    /// A page of its own at a path below `/runs/`, that of a run or of two (`one~other`), whose scripts can reach nothing of the studio.
     fn run_page(&self, name: &str) -> Reply;
 }
 

@@ -5,13 +5,15 @@ use blocksim_report::escape;
 use crate::assets::{scripts, styles};
 
 /// Screens: the name in the address, and what it is called.
-const SCREENS: [(&str, &str); 6] = [
+const SCREENS: [(&str, &str); 8] = [
     ("project", "Project"),
     ("diagram", "Diagram"),
     ("values", "Parameters"),
     ("motion", "Motion"),
     ("run", "Run"),
     ("runs", "Results"),
+    ("sweep", "Sweep"),
+    ("linear", "Linear analysis"),
 ];
 
 /// The scripts of the page of a run expect data; the studio brings it later.
@@ -45,7 +47,9 @@ pub(crate) fn page(title: &str) -> String {
     for (id, name) in SCREENS {
         let view = match id {
             "diagram" => "<div id=\"problems\"></div><div id=\"diagram-view\"></div>".to_owned(),
-            "run" => "<div id=\"run-bar\"></div><div id=\"plots\"></div>".to_owned(),
+            "run" => "<div id=\"run-bar\"></div><div class=\"run-parts\"><div id=\"panel\" role=\"group\" aria-label=\"Panel\"></div>\
+                      <div id=\"plots\"></div></div>"
+                .to_owned(),
             other => format!("<div id=\"{other}-view\"></div>"),
         };
         page.push_str(&format!(

@@ -15,6 +15,8 @@ pub struct Open<'a> {
     pub key: &'a str,
     /// Keys seen in it so far.
     pub keys: Vec<&'a str>,
+    /// Commas in it so far.
+    pub commas: usize,
 }
 
 /// What stands one after the other.
@@ -77,7 +79,7 @@ pub fn scan<'a>(text: &'a str, end: usize, mut visit: impl FnMut(&[Open<'a>], Ev
                 };
                 let key = std::mem::take(&mut around.key);
                 let sign = char::from(text.as_bytes()[token.start()]);
-                around.open.push(Open { sign, word, key, keys: Vec::new() });
+                around.open.push(Open { sign, word, key, keys: Vec::new(), commas: 0 });
             }
             TokenKind::Close | TokenKind::Comma => {
                 if let Some((word, place, false)) = last.take() {
@@ -86,6 +88,8 @@ pub fn scan<'a>(text: &'a str, end: usize, mut visit: impl FnMut(&[Open<'a>], Ev
                 around.key = "";
                 if token.kind == TokenKind::Close {
                     around.open.pop();
+                } else if let Some(open) = around.open.last_mut() {
+                    open.commas += 1;
                 }
             }
             _ => {}

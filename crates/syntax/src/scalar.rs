@@ -9,8 +9,18 @@ pub(crate) fn number(text: &str, token: Token) -> Result<Shape, SyntaxError> {
     let written = token.of(text);
     match value(written) {
         Some(value) => Ok(Shape::Number(value)),
-        None => Err(SyntaxError::new(token.span(), format!("`{written}` is not a number"))),
+        None => Err(range(text, token, written)
+            .unwrap_or_else(|| SyntaxError::new(token.span(), format!("`{written}` is not a number")))),
     }
+}
+
+/// `0..50`, which needs quotes.
+fn range(text: &str, token: Token, written: &str) -> Option<SyntaxError> {
+    let (low, high) = written.split_once("..")?;
+    value(low).and(value(high))?;
+    let error = SyntaxError::new(token.span(), "a range stands between quotes");
+    let quoted = format!("\"{low} .. {high}\"");
+    Some(error.help(format!("write {quoted}")).remedy(text, token.span(), quoted))
 }
 
 fn value(written: &str) -> Option<f64> {

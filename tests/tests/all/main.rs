@@ -30,6 +30,7 @@ mod exact_slopes;
 mod examples;
 mod flagship;
 mod formatting;
+mod futures;
 mod generated_code;
 mod heat_ports;
 mod hydraulics;
@@ -55,6 +56,7 @@ mod open_units;
 mod oracles;
 mod own_outputs;
 mod pages;
+mod panel;
 mod parameters;
 mod passed_over;
 #[cfg(unix)]

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use blocksim_drawing::Layer;
+
 use super::model::ModelArgs;
 use super::plot::ThemeName;
 
@@ -11,7 +13,8 @@ use super::plot::ThemeName;
     after_help = "Draws one level. Models with errors are drawn as far as they can be read.\n\nExamples:\n  \
                   blocksim graph servo.ron\n  blocksim graph servo.ron --png servo.png\n  \
                   blocksim graph irb2600.ron --path arm/link1 --svg link1.svg --theme dark\n  \
-                  blocksim graph irb2600.ron --all --svg drawings\n  blocksim graph servo.ron --loop 1 --svg loop.svg"
+                  blocksim graph irb2600.ron --all --svg drawings\n  blocksim graph servo.ron --loop 1 --svg loop.svg\n  \
+                  blocksim graph servo.ron --layers units,rates --svg servo.svg"
 )]
 pub struct GraphArgs {
     #[command(flatten)]
@@ -26,6 +29,10 @@ pub struct GraphArgs {
     /// marked.
     #[arg(long, value_name = "N", conflicts_with_all = ["path", "all"], value_parser = clap::value_parser!(u32).range(1..))]
     pub r#loop: Option<u32>,
+    /// Layers over the drawing, separated by commas: units on the wires, sample times by colour, the order of evaluation, wires that
+    /// lead back, algebraic loops.
+    #[arg(long, value_enum, value_name = "LAYER", value_delimiter = ',', conflicts_with = "loop")]
+    pub layers: Vec<LayerName>,
     /// Writes a drawing.
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
@@ -44,6 +51,33 @@ pub struct GraphArgs {
     /// Prints the places of blocks and wires as JSON, one object a level.
     #[arg(long)]
     pub json: bool,
+}
+
+/// A layer over a drawing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum LayerName {
+    /// Units and shapes of signals, on the wires.
+    Units,
+    /// Sample times of blocks and wires.
+    Rates,
+    /// The order in which outputs are evaluated.
+    Order,
+    /// Wires that lead back.
+    Feedback,
+    /// Algebraic loops.
+    Loops,
+}
+
+impl From<LayerName> for Layer {
+    fn from(name: LayerName) -> Layer {
+        match name {
+            LayerName::Units => Layer::Units,
+            LayerName::Rates => Layer::Rates,
+            LayerName::Order => Layer::Order,
+            LayerName::Feedback => Layer::Feedback,
+            LayerName::Loops => Layer::Loops,
+        }
+    }
 }
 
 fn scale(text: &str) -> Result<f64, String> {

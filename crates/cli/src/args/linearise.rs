@@ -73,6 +73,10 @@ pub struct LineariseArgs {
     /// Print the matrices, poles, zeros and margins as JSON, and no plots.
     #[arg(long)]
     pub json: bool,
+    /// With --json: the frequency response and the step response of each way as well, point by point; of a loop the step response of
+    /// the closed loop.
+    #[arg(long, requires = "json")]
+    pub curves: bool,
 }
 
 /// What can be drawn of a linear system.

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::values::{assignment, change, positive, speed, time};
+use super::values::{assignment, change, moment, positive, speed, time};
 use crate::running::selection::{Wanted, wanted};
+use crate::running::tuning::When;
 
 /// A model and what to change in it.
 #[derive(Debug, clap::Args)]
@@ -73,10 +74,14 @@ pub struct RunArgs {
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Change a parameter while the run goes on, at a time: `0.5s:pid.kp=12`; may be repeated.
+    /// `after 0.5s:pid.kp=12` waits for the end of the step that reaches the time, as a change in the studio does.
     /// Numbers may change, but not which blocks and states there are; values at the start have no effect any more.
     #[arg(long, value_name = "TIME:TARGET=VALUE", value_parser = change, allow_hyphen_values = true,
         conflicts_with_all = ["audit", "verify"])]
-    pub change: Vec<(f64, String)>,
+    pub change: Vec<(When, String)>,
+    /// Record further signals, as `record` of the diagram does: patterns of their paths, separated by commas.
+    #[arg(long, value_name = "PATTERN", value_delimiter = ',')]
+    pub record: Vec<String>,
     /// Signals to keep, of those that the diagram records: parts of their paths or patterns with `*`, separated by
     /// commas. A rate may follow: `arm/**@10ms`, `arm/**@10rows`, or the minimum and maximum with `@minmax:10ms`.
     #[arg(long, value_name = "PATTERN[@RATE]", value_delimiter = ',', value_parser = wanted)]
@@ -122,6 +127,9 @@ pub struct RunArgs {
     /// say. The run goes at so many times real time, 0 for as fast as it can, and ends where the standard input ends.
     #[arg(long, hide = true, requires = "json", value_name = "SPEED", value_parser = speed)]
     pub live: Option<f64>,
+    /// With `--live`: go as fast as it can up to this time, whatever the speed, to where another run of the model was.
+    #[arg(long, hide = true, requires = "live", value_name = "TIME", value_parser = moment)]
+    pub catch_up: Option<f64>,
 }
 
 /// `blocksim check`.

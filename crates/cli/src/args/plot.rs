@@ -175,6 +175,34 @@ pub struct CompareArgs {
     pub json: bool,
 }
 
+impl CompareArgs {
+    /// As written without any option, but that what both cover is compared.
+    pub fn of(baseline: String, other: String) -> CompareArgs {
+        CompareArgs {
+            baseline,
+            other,
+            signals: Vec::new(),
+            absolute: Vec::new(),
+            relative: 0.0,
+            time_tolerance: 0.0,
+            interpolation: None,
+            sync: Sync::Union,
+            align: None,
+            shift: None,
+            overlap: true,
+            common: true,
+            map: Vec::new(),
+            svg: None,
+            png: None,
+            page: 1,
+            html: None,
+            yes: false,
+            theme: ThemeName::Light,
+            json: false,
+        }
+    }
+}
+
 /// A tolerance in SI and what it is for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {

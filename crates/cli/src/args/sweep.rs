@@ -73,6 +73,9 @@ pub struct SweepArgs {
     /// Print the table as JSON.
     #[arg(long)]
     pub json: bool,
+    /// For the studio: with `--json`, print to the standard error how many runs are done.
+    #[arg(long, hide = true, requires = "json")]
+    pub progress: bool,
 }
 
 /// A parameter and the values that it takes, as texts.

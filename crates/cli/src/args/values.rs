@@ -2,6 +2,8 @@
 
 use blocksim_signal::{Lookup, Quantity, Scope, Unit, evaluate};
 
+use crate::running::tuning::When;
+
 /// Where runs are kept unless somebody says otherwise.
 pub const RUNS: &str = "runs";
 
@@ -80,13 +82,15 @@ pub fn assignment(text: &str) -> Result<String, String> {
 ///
 /// # Errors
 /// What is wrong with it.
-pub fn change(text: &str) -> Result<(f64, String), String> {
+pub fn change(text: &str) -> Result<(When, String), String> {
     let (at, set) = text.split_once(':').ok_or("write time:target=value, such as 0.5s:pid.kp=12")?;
-    let at = moment(at)?;
-    if at < 0.0 {
+    let after = at.trim_start().strip_prefix("after ");
+    let t = moment(after.unwrap_or(at))?;
+    if t < 0.0 {
         return Err("a parameter changes at a time from 0 on".to_owned());
     }
-    Ok((at, assignment(set.trim())?))
+    let when = if after.is_some() { When::After(t) } else { When::At(t) };
+    Ok((when, assignment(set.trim())?))
 }
 
 #[cfg(test)]

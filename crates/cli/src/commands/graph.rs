@@ -3,8 +3,12 @@ use std::path::Path;
 
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::{Options, Sources, compile_and_keep};
-use blocksim_drawing::{Level, Marks, PathError, all_levels, level_at, svg_with_marks, text};
+use blocksim_drawing::{
+    Facts, Layer, Level, LevelFacts, Marks, Pace, PathError, all_levels, level_at, svg_with_layers,
+    svg_with_marks, text,
+};
 use blocksim_layout::{Layout, Point, PortKind, layout};
+use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
 use super::tell;
@@ -27,7 +31,10 @@ pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
     let disk = Disk::with(Plugins::of(args.model.plugins, Purpose::Look));
     tell_builds();
     let sources = Sources::new(&disk);
-    let (model, problems, schedule) = if args.r#loop.is_some() {
+    let layers: Vec<Layer> = args.layers.iter().map(|layer| Layer::from(*layer)).collect();
+    // Only what compiles is known to have units, sample times, an order and loops.
+    let needs_schedule = args.r#loop.is_some() || layers.iter().any(|layer| *layer != Layer::Feedback);
+    let (model, problems, schedule) = if needs_schedule {
         let options = Options { overrides: &args.model.set, ..Options::default() };
         let (model, compiled) = compile_and_keep(&sources, &args.model.model, &options);
         (model, compiled.problems, compiled.schedule)
@@ -45,6 +52,10 @@ pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
         }
         None => None,
     };
+    if schedule.is_none() && needs_schedule {
+        return Ok(Exit::Model);
+    }
+    let facts = (!layers.is_empty()).then(|| Facts::of(&model, schedule.as_ref()));
     let marks = looped.as_ref().map_or(Marks::default(), |found| found.marks.clone());
     let levels = if args.all {
         all_levels(&model, &sources)
@@ -56,7 +67,8 @@ pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
     for level in &levels {
         let laid_out = layout(&level.graph);
         if args.json {
-            console.data(&format!("{}\n", as_json(level, &laid_out)))?;
+            let known = facts.as_ref().map(|facts| (facts, facts.on(level)));
+            console.data(&format!("{}\n", as_json(level, &laid_out, known.as_ref())))?;
         }
         if args.svg.is_none() && args.png.is_none() {
             if !args.json {
@@ -69,10 +81,16 @@ pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
                     String::new()
                 };
                 console.data(&format!("{headed}{}\n", text(level, &laid_out, console.ascii)))?;
+                if let Some(facts) = &facts {
+                    console.data(&in_words(facts, level, &layers))?;
+                }
             }
             continue;
         }
-        let drawing = svg_with_marks(level, &laid_out, args.theme.into(), &marks);
+        let drawing = match &facts {
+            Some(facts) => svg_with_layers(level, &laid_out, args.theme.into(), facts, &layers),
+            None => svg_with_marks(level, &laid_out, args.theme.into(), &marks),
+        };
         let file = |given: &Option<std::path::PathBuf>, ending: &str| {
             given
                 .as_deref()
@@ -92,6 +110,42 @@ pub fn graph(args: &GraphArgs, console: Console) -> Outcome {
         }
     }
     Ok(whole)
+}
+
+/// Layers as a table: a line for each wire and each block of which something is known.
+fn in_words(facts: &Facts, level: &Level, layers: &[Layer]) -> String {
+    let has = |layer: Layer| layers.contains(&layer);
+    let known = facts.on(level);
+    let numbers = |all: &[usize]| all.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+    let looped = |loops: &[usize]| match loops {
+        [] => String::new(),
+        loops => format!("loop {}", numbers(loops)),
+    };
+    let mut table = Table::new(&[("", Align::Left); 5]);
+    let mut count = 0;
+    let mut row = |name: &str, cells: [String; 4]| {
+        if cells.iter().any(|cell| !cell.is_empty()) {
+            let [a, b, c, d] = cells;
+            table.row([name.to_owned(), a, b, c, d]);
+            count += 1;
+        }
+    };
+    let pace = |pace: Option<Pace>| match pace {
+        Some(pace) if has(Layer::Rates) => facts.pace(pace).to_owned(),
+        _ => String::new(),
+    };
+    for (figure, block) in level.figures.iter().zip(&known.blocks) {
+        let order = if has(Layer::Order) { numbers(&block.order) } else { String::new() };
+        let loops = if has(Layer::Loops) { looped(&block.loops) } else { String::new() };
+        row(&figure.name, [order, pace(block.pace), String::new(), loops]);
+    }
+    for (line, wire) in level.lines.iter().zip(&known.wires) {
+        let unit = if has(Layer::Units) { wire.unit.clone() } else { String::new() };
+        let back = if has(Layer::Feedback) && wire.feedback { "leads back" } else { "" };
+        let loops = if has(Layer::Loops) { looped(&wire.loops) } else { String::new() };
+        row(&line.title, [unit, pace(wire.pace), back.to_owned(), loops]);
+    }
+    if count == 0 { "nothing is known of these layers\n".to_owned() } else { table.render() }
 }
 
 /// An algebraic loop of a model.
@@ -169,9 +223,10 @@ fn no_such_level(error: &PathError) -> Failure {
 }
 
 /// Places in dots of the drawing without its edge and title.
-fn as_json(level: &Level, layout: &Layout) -> Value {
+fn as_json(level: &Level, layout: &Layout, known: Option<&(&Facts, LevelFacts)>) -> Value {
     let at = |point: Point| json!([point.x, point.y]);
-    let blocks = level.figures.iter().zip(&layout.nodes).map(|(figure, placed)| {
+    let pace = |facts: &Facts, pace: Option<Pace>| pace.map(|pace| facts.pace(pace).to_owned());
+    let blocks = level.figures.iter().zip(&layout.nodes).enumerate().map(|(n, (figure, placed))| {
         let ports = figure.ports.iter().zip(&placed.ports).map(|(look, port)| {
             let kind = match look.kind {
                 PortKind::Input => "input",
@@ -180,19 +235,34 @@ fn as_json(level: &Level, layout: &Layout) -> Value {
             };
             json!({ "name": look.name, "kind": kind, "at": at(port.at) })
         });
-        json!({
+        let mut data = json!({
             "name": figure.name, "path": figure.path, "kind": figure.kind,
             "x": placed.x, "y": placed.y, "width": placed.width, "height": placed.height,
             "mirrored": placed.mirrored, "ports": ports.collect::<Vec<_>>(),
-        })
+        });
+        if let Some((facts, known)) = known {
+            let block = &known.blocks[n];
+            data["order"] = block.order.clone().into();
+            data["rate"] = pace(facts, block.pace).into();
+            data["loops"] = block.loops.clone().into();
+        }
+        data
     });
-    let wires = level.lines.iter().zip(&layout.wires).map(|(line, wire)| {
+    let wires = level.lines.iter().zip(&layout.wires).enumerate().map(|(n, (line, wire))| {
         let segments = wire.segments.iter().map(|s| json!([at(s.from), at(s.to)]));
-        json!({
+        let mut data = json!({
             "title": line.title, "bus": line.thick, "domain": line.domain.map(|domain| domain.to_string()),
             "segments": segments.collect::<Vec<_>>(),
             "junctions": wire.junctions.iter().map(|point| at(*point)).collect::<Vec<_>>(),
-        })
+        });
+        if let Some((facts, known)) = known {
+            let wire = &known.wires[n];
+            data["unit"] = wire.unit.clone().into();
+            data["rate"] = pace(facts, wire.pace).into();
+            data["feedback"] = wire.feedback.into();
+            data["loops"] = wire.loops.clone().into();
+        }
+        data
     });
     json!({
         "v": 1, "path": level.path, "title": level.title, "width": layout.width, "height": layout.height,

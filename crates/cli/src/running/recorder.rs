@@ -72,13 +72,12 @@ impl Observer for WithChanges<'_> {
         self.recorder.event(t, path, what);
     }
 
-    fn is_waiting(&self, _t: f64) -> bool {
-        self.refused.is_some()
+    fn is_waiting(&self, t: f64) -> bool {
+        self.refused.is_some() || self.planned.is_due(t)
     }
 
     fn progress(&mut self, t: f64, counts: &Counts) -> Control {
-        let control = self.recorder.progress(t, counts);
-        if self.refused.is_some() { Control::Stop } else { control }
+        self.recorder.progress(t, counts)
     }
 }
 
@@ -88,7 +87,7 @@ impl Tunes for WithChanges<'_> {
     }
 
     fn wanted(&mut self, t: f64) -> Option<String> {
-        if self.refused.is_some() { None } else { self.planned.next(t) }
+        if self.refused.is_some() { None } else { self.planned.next(t).map(|(_, set)| set) }
     }
 
     fn tuned(&mut self, t: f64, set: &str, came: Came) {

@@ -49,7 +49,7 @@ fn rate_of(text: &str) -> Result<Rate, String> {
 }
 
 /// What is kept: the layout of the recording, and which value of a row each of its signals is.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Selection {
     /// Signals and their time bases.
     pub layout: Layout,

@@ -1,13 +1,12 @@
 //! Parameters that change while a run goes on: at times that were named before, or when somebody asks for it.
 
 use std::collections::VecDeque;
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use blocksim_diagram::{SourceFile, Sources, compile};
+use blocksim_diagram::{Options, SourceFile, Sources, compile_with};
 use blocksim_sim::{Ended, Observer, SimError, Simulation};
 
-use crate::args::model::{ModelArgs, SolverArgs};
+use crate::args::model::RunArgs;
 use crate::disk::{Disk, Overlaid};
 use crate::failure::Failure;
 use crate::running::{interrupt, solver};
@@ -22,53 +21,97 @@ pub trait Tunes: Observer {
     /// When something is to be set next, as far as that is known before, s.
     fn planned(&self) -> Option<f64>;
 
+    /// The run has stopped at the end of a step, for whatever reason; `set` is what has been set from the start on.
+    fn stopped(&mut self, _simulation: &Simulation, _set: &[String]) {}
+
     /// What is to be set now, if anything is.
     fn wanted(&mut self, t: f64) -> Option<String>;
+
+    /// Whether the run goes on where it has stopped; something may have been set there.
+    fn goes_on(&self, has_set: bool) -> bool {
+        has_set
+    }
 
     /// What came of it.
     fn tuned(&mut self, t: f64, set: &str, came: Came);
 }
 
+/// When a parameter changes, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum When {
+    /// Then, and a step ends there for that.
+    At(f64),
+    /// At the end of the step that reaches this time: so no step differs from those of a run in which somebody asked for it there.
+    After(f64),
+}
+
+impl When {
+    /// The time, s.
+    pub fn time(self) -> f64 {
+        let (When::At(t) | When::After(t)) = self;
+        t
+    }
+}
+
 /// Parameters that change at times that are known before.
 #[derive(Debug, Default)]
 pub struct Planned {
-    changes: VecDeque<(f64, String)>,
+    changes: VecDeque<(When, String)>,
 }
 
 impl Planned {
     /// Changes in the order of their times.
-    pub fn new(changes: &[(f64, String)]) -> Planned {
+    pub fn new(changes: &[(When, String)]) -> Planned {
         let mut changes = changes.to_vec();
-        changes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        changes.sort_by(|a, b| a.0.time().total_cmp(&b.0.time()));
         Planned { changes: changes.into() }
     }
 
-    /// When the next one is due, s.
+    /// When a step has to end for one of them next, s.
     pub fn time(&self) -> Option<f64> {
-        self.changes.front().map(|(at, _)| *at)
+        self.changes.iter().find_map(|(when, _)| if let When::At(t) = when { Some(*t) } else { None })
+    }
+
+    /// Whether one is due.
+    pub fn is_due(&self, t: f64) -> bool {
+        self.changes.front().is_some_and(|(when, _)| when.time() <= t)
     }
 
     /// The next one that is due.
-    pub fn next(&mut self, t: f64) -> Option<String> {
-        if self.time()? <= t { self.changes.pop_front().map(|(_, set)| set) } else { None }
+    pub fn next(&mut self, t: f64) -> Option<(When, String)> {
+        if self.is_due(t) { self.changes.pop_front() } else { None }
     }
+
+    /// Takes more of them.
+    pub fn add(&mut self, more: Vec<(When, String)>) {
+        let all: Vec<(When, String)> = self.changes.drain(..).chain(more).collect();
+        *self = Planned::new(&all);
+    }
+}
+
+/// A change as `--change` takes it, of something that was set when a step had ended.
+pub fn written(t: f64, set: &str) -> String {
+    format!("after {t}s:{set}")
 }
 
 /// What makes the model anew, from the texts of the start.
 pub struct Tuner<'a> {
-    model: PathBuf,
     /// What is set.
     set: Vec<String>,
-    args: &'a ModelArgs,
-    solver: &'a SolverArgs,
+    args: &'a RunArgs,
     /// Texts that the model was made of.
     texts: Vec<SourceFile>,
 }
 
 impl<'a> Tuner<'a> {
     /// One for a run of a model.
-    pub fn new(args: &'a ModelArgs, solver: &'a SolverArgs, texts: &[SourceFile]) -> Tuner<'a> {
-        Tuner { model: args.model.clone(), set: args.set.clone(), args, solver, texts: texts.to_vec() }
+    pub fn new(args: &'a RunArgs, texts: &[SourceFile]) -> Tuner<'a> {
+        Tuner { set: args.model.set.clone(), args, texts: texts.to_vec() }
+    }
+
+    /// Goes on from where so much was set.
+    pub fn go_back(&mut self, set: Vec<String>) {
+        self.set = set;
     }
 
     /// Runs to the end, with the changes that the observer wants.
@@ -87,13 +130,14 @@ impl<'a> Tuner<'a> {
                 return Ok(ended);
             }
             let t = simulation.time();
+            observer.stopped(simulation, &self.set);
             let mut wanted = false;
             while let Some(set) = observer.wanted(t) {
                 wanted = true;
                 let came = self.tune(simulation, &set, observer);
                 observer.tuned(t, &set, came);
             }
-            if !wanted {
+            if !observer.goes_on(wanted) {
                 return Ok(ended);
             }
         }
@@ -103,16 +147,17 @@ impl<'a> Tuner<'a> {
     fn tune(&mut self, simulation: &mut Simulation, set: &str, observer: &mut dyn Observer) -> Came {
         let mut all = self.set.clone();
         all.push(set.to_owned());
-        let disk = Disk::with(Plugins::of(self.args.plugins, Purpose::Run));
+        let disk = Disk::with(Plugins::of(self.args.model.plugins, Purpose::Run));
         let texts = self.texts.iter().map(|file| (file.path.clone(), file.text.to_string())).collect();
         let reader = Overlaid { disk, texts };
-        let mut compiled = compile(&Sources::new(&reader), &self.model, &all);
+        let options = Options { overrides: &all, recorded: &self.args.record, ..Options::default() };
+        let mut compiled = compile_with(&Sources::new(&reader), &self.args.model.model, &options);
         let Some(mut schedule) = compiled.schedule.take() else {
             let first = compiled.problems.into_iter().next();
             return Err(first
                 .map_or(("it cannot be set".to_owned(), None), |problem| (problem.message, problem.help)));
         };
-        solver::apply(self.solver, &mut schedule.settings).map_err(refusal)?;
+        solver::apply(&self.args.solver, &mut schedule.settings).map_err(refusal)?;
         let without_effect =
             simulation.tune(Arc::new(schedule), observer).map_err(|error| (error.message, error.help))?;
         self.set = all;
@@ -141,14 +186,19 @@ mod tests {
 
     #[test]
     fn changes_come_in_the_order_of_their_times() {
-        let mut planned =
-            Planned::new(&[(2.0, "b=1".to_owned()), (1.0, "a=1".to_owned()), (2.0, "c=1".to_owned())]);
-        assert_eq!((planned.time(), planned.next(0.5)), (Some(1.0), None));
-        assert_eq!(planned.next(1.5).as_deref(), Some("a=1"));
-        assert_eq!(
-            [planned.next(2.0), planned.next(2.0), planned.next(2.0)].map(|set| set.unwrap_or_default()),
-            ["b=1", "c=1", ""]
-        );
+        let set = |name: &str| format!("{name}=1");
+        let mut planned = Planned::new(&[
+            (When::At(2.0), set("b")),
+            (When::After(1.0), set("a")),
+            (When::At(2.0), set("c")),
+        ]);
+        assert_eq!((planned.time(), planned.next(0.5)), (Some(2.0), None));
+        assert!(!planned.is_due(0.9) && planned.is_due(1.5));
+        assert_eq!(planned.next(1.5), Some((When::After(1.0), set("a"))));
+        planned.add(vec![(When::After(1.7), set("d"))]);
+        let all = [planned.next(2.0), planned.next(2.0), planned.next(2.0), planned.next(2.0)];
+        let names = all.map(|change| change.map_or(String::new(), |(_, set)| set));
+        assert_eq!(names, ["d=1", "b=1", "c=1", ""]);
         assert_eq!(event("gain.k = 9 1/s", &[]), ("gain.k", "is set to 9 1/s".to_owned()));
         let (_, what) = event("x.x0=7", &["x".to_owned()]);
         assert_eq!(what, "is set to 7 (values at the start of x have no effect any more)");

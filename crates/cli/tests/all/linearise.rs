@@ -367,3 +367,43 @@ fn what_is_named_counts_as_looked_at() {
     let said = String::from_utf8_lossy(&steady.stderr);
     assert!(!steady.status.success() && said.contains("error[unknown_slope]"), "{said}");
 }
+
+#[test]
+fn curves_are_those_of_the_transfer_function() {
+    // x' = -4 x + 4 u: a lag of a quarter of a second.
+    let lag = r#"Diagram(simulation: (stop_time: "1 s"), blocks: { "u": Constant(value: 0), "lag": LowPass(tau: "0.25 s"), "t": Terminator },
+        connections: ["u.y -> lag.u", "lag.y -> t.u"])"#;
+    let desk = crate::desk::Desk::with(&[("lag.ron", lag)]);
+    let answer = desk.call(&["linearise", "lag.ron", "--from", "u.y", "--to", "lag.y", "--json", "--curves"]);
+    assert_eq!(answer.code, Some(0), "{}", answer.err);
+    let found: serde_json::Value = serde_json::from_str(answer.out.trim()).expect("JSON");
+    let curves = &found["ways"][0]["curves"];
+    let numbers = |name: &str| -> Vec<f64> {
+        curves[name].as_array().expect(name).iter().map(|x| x.as_f64().expect("a number")).collect()
+    };
+    let (w, magnitude, phase) = (numbers("frequency"), numbers("magnitude"), numbers("phase"));
+    assert!(w.len() > 20 && w.len() == magnitude.len() && w.len() == phase.len());
+    for ((w, magnitude), phase) in w.iter().zip(&magnitude).zip(&phase) {
+        let expected = -10.0 * (1.0 + (w / 4.0).powi(2)).log10();
+        assert!((magnitude - expected).abs() < 1e-6, "{w}: {magnitude} and {expected}");
+        assert!((phase + (w / 4.0).atan().to_degrees()).abs() < 1e-6, "{w}: {phase}");
+    }
+    let step = curves["step"].as_array().expect("a course");
+    let last = step.last().and_then(|point| point[0].as_f64()).expect("a time");
+    assert!(last > 1.0 && last < 4.0, "{last} s are about two settling times");
+    for point in step {
+        let (t, y) = (point[0].as_f64().expect("t"), point[1].as_f64().expect("y"));
+        assert!((y - (1.0 - (-4.0 * t).exp())).abs() < 1e-8, "{t}: {y}");
+    }
+    // Of a loop the closed one: an integrator with a gain of 8 settles with 8 1/s.
+    let looped = r#"Diagram(simulation: (stop_time: "1 s"), blocks: { "k": Gain(k: -8), "x": Integrator }, connections: ["k.y -> x.u", "x.y -> k.u"])"#;
+    let desk = crate::desk::Desk::with(&[("loop.ron", looped)]);
+    let answer = desk.call(&["linearise", "loop.ron", "--open", "x.y", "--json", "--curves"]);
+    assert_eq!(answer.code, Some(0), "{}", answer.err);
+    let found: serde_json::Value = serde_json::from_str(answer.out.trim()).expect("JSON");
+    for point in found["ways"][0]["curves"]["step"].as_array().expect("a course") {
+        let (t, y) = (point[0].as_f64().expect("t"), point[1].as_f64().expect("y"));
+        assert!((y - (1.0 - (-8.0 * t).exp())).abs() < 1e-8, "{t}: {y}");
+    }
+    assert_eq!(desk.call(&["linearise", "loop.ron", "--open", "x.y", "--curves"]).code, Some(2));
+}

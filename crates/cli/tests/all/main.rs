@@ -17,6 +17,7 @@ mod held_signals;
 mod help;
 mod identify;
 mod import;
+mod layers;
 mod licences;
 #[cfg(unix)]
 mod limits;

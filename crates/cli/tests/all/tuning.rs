@@ -76,3 +76,96 @@ fn what_cannot_change_ends_the_run_with_the_reason_and_keeps_what_there_is() {
         assert_eq!(answer.code, Some(2), "{wrong}: {}", answer.err);
     }
 }
+
+#[test]
+fn a_change_after_a_time_waits_for_the_end_of_its_step() {
+    let desk = Desk::with(&[("decay.ron", DECAY)]);
+    let times = |folder: &str| -> Vec<f64> {
+        let table = desk.read(&format!("{folder}/signals.csv"));
+        table.lines().skip(1).filter_map(|line| line.split(',').next()?.parse().ok()).collect()
+    };
+    let plain = desk.call(&["run", "decay.ron", "--quiet", "--out", "plain"]);
+    assert_eq!(plain.code, Some(0), "{}", plain.err);
+    let after =
+        desk.call(&["run", "decay.ron", "--quiet", "--out", "after", "--change", "after 0.7 s:k.k=-3"]);
+    assert_eq!(after.code, Some(0), "{}", after.err);
+    let events = desk.read("after/events.csv");
+    let at: f64 =
+        events.lines().nth(1).and_then(|line| line.split(',').next()?.parse().ok()).expect("an event");
+    // A step of the untouched run ends there, and all before it are the same.
+    let (untouched, changed) = (times("plain"), times("after"));
+    let first = untouched.iter().find(|t| **t >= 0.7).expect("a row");
+    assert_eq!(at, *first);
+    let before = |all: &[f64]| all.iter().copied().filter(|t| *t < at).collect::<Vec<_>>();
+    assert_eq!(before(&untouched), before(&changed));
+    // Several at one time come in their order.
+    let twice = desk.call(&[
+        "run",
+        "decay.ron",
+        "--quiet",
+        "--out",
+        "twice",
+        "--change",
+        "after 0.7s:k.k=-9",
+        "--change",
+        "after 0.7s:k.k=-3",
+    ]);
+    assert_eq!(twice.code, Some(0), "{}", twice.err);
+    let end = |folder: &str| desk.read(&format!("{folder}/signals.csv")).lines().last().map(str::to_owned);
+    assert_eq!(end("twice"), end("after"));
+    for wrong in ["after :k.k=1", "after -1s:k.k=1", "afterwards 1s:k.k=1"] {
+        assert_eq!(desk.call(&["run", "decay.ron", "--change", wrong]).code, Some(2), "{wrong}");
+    }
+}
+
+#[test]
+fn further_signals_are_recorded_as_if_the_diagram_said_so() {
+    let desk = Desk::with(&[("decay.ron", DECAY)]);
+    let asked = desk.call(&["run", "decay.ron", "--quiet", "--out", "asked", "--record", "k.*"]);
+    assert_eq!(asked.code, Some(0), "{}", asked.err);
+    let written = DECAY.replacen("Diagram(", "Diagram(record: [\"k.*\"], ", 1);
+    std::fs::write(desk.0.join("written.ron"), written).expect("a file");
+    let said = desk.call(&["run", "written.ron", "--quiet", "--out", "said"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let [one, other] = ["asked", "said"].map(|folder| desk.read(&format!("{folder}/signals.csv")));
+    assert!(one == other && one.lines().next().is_some_and(|head| head.contains("k.y")));
+    // Parameters can change all the same.
+    let tuned = desk.call(&[
+        "run",
+        "decay.ron",
+        "--quiet",
+        "--out",
+        "tuned",
+        "--record",
+        "k.y",
+        "--change",
+        "1s:k.k=-3",
+    ]);
+    assert_eq!(tuned.code, Some(0), "{}", tuned.err);
+    let wrong = desk.call(&["run", "decay.ron", "--record", "q.y"]);
+    assert_eq!(wrong.code, Some(3), "{}", wrong.err);
+    assert!(wrong.err.contains("no signal matches `q.y`") && wrong.err.contains("--record"), "{}", wrong.err);
+}
+
+#[test]
+fn check_tries_how_far_a_panel_can_go() {
+    let text = r#"Diagram(
+    simulation: (stop_time: "1 s"),
+    panel: [Slider("lag.tau", "0 .. 2 s"), Slider("k.k", "-9 .. 9"), Slider("hold.ts", "1 .. 5 ms"), Switch("k.k", 0, -1)],
+    blocks: { "k": Gain(k: -1), "lag": LowPass(tau: "1 s"), "hold": ZeroOrderHold(ts: "2 ms"), "s": Scope(inputs: ["x"]) },
+    connections: ["k.y -> lag.u", "lag.y -> k.u, hold.u", "hold.y -> s.x"],
+)
+"#;
+    let desk = Desk::with(&[("model.ron", text)]);
+    let answer = desk.call(&["check", "model.ron"]);
+    assert_eq!(answer.code, Some(0), "{}", answer.err);
+    let told = answer.err;
+    assert!(told.contains("warning[panel]: the Slider cannot set `lag.tau=0 s`"), "{told}");
+    for value in ["1", "5"] {
+        assert!(
+            told.contains(&format!("the Slider cannot set `hold.ts={value} ms`: it makes another model")),
+            "{told}"
+        );
+    }
+    assert_eq!(told.matches("warning[panel]").count(), 3, "{told}");
+}

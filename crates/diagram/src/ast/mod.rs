@@ -1,6 +1,7 @@
 //! A diagram as it is written: names, raw parameters, places. No block is known yet.
 
 mod connection;
+mod panel;
 mod parse;
 mod record;
 
@@ -10,6 +11,7 @@ use blocksim_block::problem::{FileId, Place};
 
 use blocksim_syntax::{Name, Node};
 
+pub use panel::{PanelAst, PanelWord};
 pub(crate) use parse::parse;
 
 /// A file that holds a diagram.
@@ -35,6 +37,8 @@ pub struct Ast {
     pub connections: Vec<ConnectionAst>,
     /// Signals to record.
     pub record: Vec<RecordAst>,
+    /// What changes and shows the model while it runs.
+    pub panel: Vec<PanelAst>,
     /// The word `Diagram`, for problems of the whole.
     pub span: Range<usize>,
 }

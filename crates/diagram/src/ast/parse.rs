@@ -10,8 +10,18 @@ use super::{Ast, BlockAst, Reference};
 use crate::problems::{Problems, list, mended};
 use blocksim_syntax::{Name, Node, Shape};
 
-const SECTIONS: [&str; 9] =
-    ["title", "parameters", "simulation", "inputs", "outputs", "ports", "blocks", "connections", "record"];
+const SECTIONS: [&str; 10] = [
+    "title",
+    "parameters",
+    "simulation",
+    "inputs",
+    "outputs",
+    "ports",
+    "blocks",
+    "connections",
+    "record",
+    "panel",
+];
 
 /// Reads the sections of a diagram.
 pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Option<Ast> {
@@ -64,6 +74,7 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
         blocks: Vec::new(),
         connections: Vec::new(),
         record: Vec::new(),
+        panel: Vec::new(),
         span: word,
     };
     unique(file, members, "section", problems);
@@ -79,6 +90,7 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
             "blocks" => ast.blocks = reader.blocks(node),
             "connections" => ast.connections = reader.connections(node),
             "record" => ast.record = reader.record(node),
+            "panel" => ast.panel = reader.panel(node),
             other => {
                 let mut problem =
                     Problem::error("unknown_parameter", format!("a diagram has no section `{other}`"))

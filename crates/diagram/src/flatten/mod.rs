@@ -86,8 +86,8 @@ pub struct Source {
     pub place: Place,
 }
 
-/// Flattens a checked model.
-pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
+/// Flattens a checked model. The signals that fit the patterns of `also` are recorded as if the diagram said so.
+pub(crate) fn flatten(model: &Model, also: &[(String, Place)], problems: &mut Problems) -> Flat {
     let mut view = View::default();
     let mut flat = Flat::default();
     let mut found: Vec<(usize, &ModelBlock)> = Vec::new();
@@ -126,7 +126,7 @@ pub(crate) fn flatten(model: &Model, problems: &mut Problems) -> Flat {
     view.apply(&conditions, &levels, &mut flat, problems);
     flat.nodes = view.nodes(&flat);
     flat.declared = view.declared(problems);
-    record(model, &view, &found, &mut flat, problems);
+    record(model, also, &view, &found, &mut flat, problems);
     flat
 }
 

@@ -2,23 +2,28 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use blocksim_block::problem::Problem;
+use blocksim_block::problem::{Place, Problem};
 use blocksim_signal::closest;
 
 use super::view::{Asked, Tree, View};
 use super::{Flat, Source};
+use crate::ast::{PanelAst, PanelWord};
 use crate::model::{Content, Model, ModelBlock};
-use crate::problems::Problems;
+use crate::problems::{Problems, mended};
+use crate::settings::start::split_element;
 
 /// Signals that `record` asks for at the top: outputs of blocks and elements of buses.
 pub(super) fn record(
     model: &Model,
+    also: &[(String, Place)],
     view: &View,
     found: &[(usize, &ModelBlock)],
     flat: &mut Flat,
     problems: &mut Problems,
 ) {
-    if model.ast.record.is_empty() {
+    let is_shown = |element: &&PanelAst| matches!(element.kind, PanelWord::Gauge | PanelWord::Lamp);
+    let panel: Vec<&PanelAst> = model.ast.panel.iter().filter(is_shown).collect();
+    if model.ast.record.is_empty() && also.is_empty() && panel.is_empty() {
         return;
     }
     let mut candidates: BTreeMap<String, (usize, usize)> = BTreeMap::new();
@@ -41,18 +46,19 @@ pub(super) fn record(
     // Of a block that is no good nobody knows the signals.
     let all_known = !found.iter().any(|(_, block)| matches!(block.content, Content::Unknown));
     let mut seen: BTreeSet<&String> = BTreeSet::new();
-    for pattern in model.ast.record.iter().flat_map(|entry| &entry.signals) {
-        let place = model.ast.place(&pattern.span);
-        let matching: Vec<_> = candidates.iter().filter(|(name, _)| matches(&pattern.text, name)).collect();
-        let path = pattern.text.split('.').next().unwrap_or_default();
+    let of_text = model.ast.record.iter().flat_map(|entry| &entry.signals);
+    let of_text = of_text.map(|pattern| (pattern.text.as_str(), model.ast.place(&pattern.span)));
+    let of_others = also.iter().map(|(pattern, place)| (pattern.as_str(), place.clone()));
+    for (pattern, place) in of_text.chain(of_others) {
+        let matching: Vec<_> = candidates.iter().filter(|(name, _)| matches(pattern, name)).collect();
+        let path = pattern.split('.').next().unwrap_or_default();
         let told = problems.names(path.rsplit('/').next().unwrap_or_default());
-        if all_known && !told && matching.is_empty() && !shown.iter().any(|name| matches(&pattern.text, name))
-        {
+        if all_known && !told && matching.is_empty() && !shown.iter().any(|name| matches(pattern, name)) {
             let names: Vec<&str> = candidates.keys().chain(&shown).map(String::as_str).collect();
             problems.push(
-                Problem::error("unknown_signal", format!("no signal matches `{}`", pattern.text))
+                Problem::error("unknown_signal", format!("no signal matches `{pattern}`"))
                     .at(&place, "matches nothing")
-                    .help(advice(&pattern.text, &names)),
+                    .help(advice(pattern, &names)),
             );
         }
         for (name, (block, output)) in matching {
@@ -60,6 +66,35 @@ pub(super) fn record(
                 let source =
                     Source { block: *block, output: *output, target: place.clone(), place: place.clone() };
                 flat.recorded.push((name.clone(), source));
+            }
+        }
+    }
+    // What the panel shows is recorded as well.
+    for (name, span) in panel.iter().filter_map(|element| element.about()) {
+        let place = model.ast.place(span);
+        let (signal, _) = split_element(name);
+        if shown.iter().any(|known| known == signal) {
+            continue;
+        }
+        match candidates.get_key_value(signal) {
+            Some((known, _)) if !seen.insert(known) => {}
+            Some((known, (block, output))) => {
+                let source = Source { block: *block, output: *output, target: place.clone(), place };
+                flat.recorded.push((known.clone(), source));
+            }
+            // Several of them are explained where the elements are known.
+            None if candidates
+                .keys()
+                .any(|known| known.strip_prefix(signal).is_some_and(|rest| rest.starts_with('.'))) => {}
+            None if !all_known || problems.names(signal.split(['.', '/']).next().unwrap_or_default()) => {}
+            None => {
+                let names: Vec<&str> = candidates.keys().chain(&shown).map(String::as_str).collect();
+                let problem = Problem::error("unknown_signal", format!("there is no signal `{name}`"));
+                let problem = mended(problem, place.clone(), name, names.iter().copied());
+                problems.push(problem.at(&place, "names no signal").help(match closest(name, names) {
+                    Some(meant) => format!("did you mean `{meant}`?"),
+                    None => "name an output, block and port, such as `motor.w`".to_owned(),
+                }));
             }
         }
     }

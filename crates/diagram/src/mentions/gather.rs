@@ -255,6 +255,16 @@ impl<'a> Gathered<'a> {
         }
     }
 
+    /// A parameter of a block is named, which matters where the block is a diagram.
+    pub(super) fn given(&mut self, place: &Place, parameter: &str, block: &Place) {
+        for inside in self.content(block).asts {
+            let known = inside.parameters.iter().find(|(name, _)| name.text == parameter);
+            if let Some(symbol) = known.and_then(|(name, _)| self.symbol(&inside.place(&name.span))) {
+                self.mention(place, parameter, symbol);
+            }
+        }
+    }
+
     /// Symbols that are the same become one.
     pub(super) fn finish(self) -> Mentions {
         let mut number = HashMap::new();

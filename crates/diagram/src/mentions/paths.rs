@@ -3,6 +3,7 @@
 use blocksim_block::problem::Place;
 
 use super::gather::Gathered;
+use crate::ast::PanelWord;
 use crate::flatten::record::matches;
 use crate::model::{Content, Model};
 use blocksim_syntax::{Node, Shape};
@@ -12,7 +13,19 @@ pub(super) fn paths(gathered: &mut Gathered, top: &Model) {
     let ast = top.ast.clone();
     for pattern in ast.record.iter().flat_map(|entry| &entry.signals) {
         // The place of a text begins with its quote.
-        path(gathered, top, &pattern.text, &ast.place(&pattern.span));
+        path(gathered, top, &pattern.text, &ast.place(&pattern.span), Last::Port);
+    }
+    for element in &ast.panel {
+        let Some((text, span)) = element.about() else { continue };
+        let place = ast.place(span);
+        let shows = matches!(element.kind, PanelWord::Gauge | PanelWord::Lamp);
+        let last = if shows { Last::Port } else { Last::Parameter };
+        let first = text.split(['.', '[', '/']).next().unwrap_or_default();
+        // A parameter of the diagram is meant before a block of the same name.
+        match ast.parameters.iter().find(|(name, _)| name.text == first && !shows && !text.contains('/')) {
+            Some((name, _)) => parameter(gathered, first, &place, &ast.place(&name.span)),
+            None => path(gathered, top, text, &place, last),
+        }
     }
     let Some(settings) = &ast.simulation else { return };
     let member = |node: &Node, wanted: &str| {
@@ -33,11 +46,26 @@ pub(super) fn paths(gathered: &mut Gathered, top: &Model) {
             }
         }
     }
-    named.iter().for_each(|(text, place)| path(gathered, top, text, place));
+    named.iter().for_each(|(text, place)| path(gathered, top, text, place, Last::Port));
+}
+
+/// What stands behind the block of a path.
+#[derive(Debug, Clone, Copy)]
+enum Last {
+    Port,
+    Parameter,
+}
+
+/// The first name of a text between quotes is that of a parameter.
+fn parameter(gathered: &mut Gathered, name: &str, whole: &Place, declared: &Place) {
+    let Some(symbol) = gathered.symbol(declared) else { return };
+    let start = whole.span.start + 1;
+    let place = Place { file: whole.file, span: start..start + name.len() };
+    gathered.mention(&place, name, symbol);
 }
 
 /// Finds what a path such as `arm/base/motor.w[0]` names, with stars or without; `whole` is its place with quotes.
-fn path(gathered: &mut Gathered, top: &Model, text: &str, whole: &Place) {
+fn path(gathered: &mut Gathered, top: &Model, text: &str, whole: &Place, last: Last) {
     let quote = usize::from(whole.span.len() == text.len() + 2);
     let place = |start: usize, name: &str| {
         let start = whole.span.start + quote + start;
@@ -62,11 +90,11 @@ fn path(gathered: &mut Gathered, top: &Model, text: &str, whole: &Place) {
                     _ => {}
                 }
                 if let Some(port) = behind.map(|rest| rest.split(['.', '[']).next().unwrap_or_default()) {
-                    gathered.port(
-                        &place(at + part.len() - behind.map_or(0, str::len), port),
-                        port,
-                        &found.place,
-                    );
+                    let here = place(at + part.len() - behind.map_or(0, str::len), port);
+                    match last {
+                        Last::Port => gathered.port(&here, port, &found.place),
+                        Last::Parameter => gathered.given(&here, port, &found.place),
+                    }
                 }
                 if let Content::Diagram(inside) = &found.content {
                     below.push(&**inside);

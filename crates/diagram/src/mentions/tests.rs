@@ -25,6 +25,7 @@ const TOP: &str = r#"Diagram(
     },
     connections: ["one.y -> two.u", "two.y.a -> one.u"],
     record: ["one/inner.y", "t*.y", "**"],
+    panel: [Slider("gain", "0 .. 9"), Knob(target: "one.tau", range: "0 .. 9"), Lamp("one.y")],
 )"#;
 const PART: &str = r#"Diagram(
     parameters: { "tau": "gain / 2" },
@@ -71,9 +72,12 @@ fn mark(text: &str, at: &str) -> String {
 fn a_parameter_is_named_across_files_and_never_by_a_unit_of_its_spelling() {
     let (meaning, all, _) = places("top.ron", &mark(TOP, "\"ga|in\": 2"));
     assert_eq!(meaning, Some(Meaning::Parameter));
-    assert_eq!(all, ["top.ron:2:gain", "top.ron:4:gain", "set.ron:1:gain", "part.ron:2:gain"]);
+    assert_eq!(
+        all,
+        ["top.ron:2:gain", "top.ron:4:gain", "top.ron:12:gain", "set.ron:1:gain", "part.ron:2:gain"]
+    );
     let (_, all, _) = places("part.ron", &mark(PART, "\"ta|u\": \"gain"));
-    assert_eq!(all, ["top.ron:4:tau", "part.ron:2:tau", "part.ron:4:tau"]);
+    assert_eq!(all, ["top.ron:4:tau", "top.ron:12:tau", "part.ron:2:tau", "part.ron:4:tau"]);
     // The parameter of the innermost file is another one, which `with` names.
     let (_, all, _) = places("inner.ron", &mark(INNER, "\"ta|u\": 1"));
     assert_eq!(all, ["part.ron:4:tau", "inner.ron:2:tau"]);
@@ -93,7 +97,8 @@ fn a_block_is_named_by_connections_interfaces_paths_and_patterns() {
 fn a_port_of_alternatives_is_one_in_several_files() {
     let (meaning, all, fixed) = places("other.ron", &mark(OTHER, "\"|y\""));
     assert_eq!(meaning, Some(Meaning::Port));
-    let expected = ["top.ron:10:y", "top.ron:10:y", "top.ron:11:y", "part.ron:3:y", "other.ron:2:y"];
+    let expected =
+        ["top.ron:10:y", "top.ron:10:y", "top.ron:11:y", "top.ron:12:y", "part.ron:3:y", "other.ron:2:y"];
     assert_eq!((all, fixed), (expected.map(str::to_owned).to_vec(), None));
     let (_, all, _) = places("part.ron", &mark(PART, "in.|u"));
     assert_eq!(all.len(), 6, "{all:?}");

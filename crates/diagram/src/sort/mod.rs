@@ -199,7 +199,7 @@ mod tests {
         let model = model(&blocks, &connections);
         let mut problems = Problems::default();
         crate::connect::check(&model, &mut problems);
-        let (schedule, messages) = scheduled(crate::flatten::flatten(&model, &mut problems));
+        let (schedule, messages) = scheduled(crate::flatten::flatten(&model, &[], &mut problems));
         assert_eq!(messages, Vec::<String>::new());
         let schedule = schedule.expect("a schedule");
         assert_eq!(order(&schedule)[..2], ["g19999", "g19998"]);

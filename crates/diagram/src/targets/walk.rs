@@ -49,15 +49,20 @@ pub(super) fn targets(sources: &Sources, root: &Path) -> (Vec<Target>, Vec<Probl
     }
     let resolver = Resolver::new(sources, Vec::new());
     resolver.top(file);
-    let instances = resolver.instances.take();
-    for instance in &instances {
-        walk.instance(instance, &instances);
-    }
+    let found = of_instances(sources, &resolver.instances.take());
     problems.extend(resolver.problems.take().sorted());
+    (found, problems.sorted())
+}
+
+pub(super) fn of_instances<'a>(sources: &'a Sources<'a>, instances: &[Instance<'a>]) -> Vec<Target> {
+    let mut walk = Walk { sources, found: Vec::new() };
+    for instance in instances {
+        walk.instance(instance, instances);
+    }
     // Where a block bears the name of a parameter, the parameter is meant first.
     let mut seen = HashSet::new();
     walk.found.retain(|target| seen.insert(target.name.clone()));
-    (walk.found, problems.sorted())
+    walk.found
 }
 
 struct Walk<'a> {

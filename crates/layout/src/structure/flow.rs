@@ -41,6 +41,11 @@ pub(crate) fn flow(graph: &Graph) -> Flow {
     flow
 }
 
+/// For each net whether it leads back, to some of its ends.
+pub fn feedback(graph: &Graph) -> Vec<bool> {
+    flow(graph).feedback.iter().map(|ends| ends.contains(&true)).collect()
+}
+
 /// Sinks, and blocks in a wire that branches off and leads to nothing else.
 fn watching(graph: &Graph) -> Vec<bool> {
     let mut watching: Vec<bool> = graph.nodes.iter().map(Node::is_sink).collect();

@@ -4,3 +4,5 @@ pub(crate) mod flow;
 pub(crate) mod layers;
 pub(crate) mod sides;
 pub(crate) mod skeleton;
+
+pub use flow::feedback;

@@ -132,6 +132,8 @@ fn diagram() -> Diagram {
         drawing,
         blocks: vec![block("joint1", "Subsystem"), block("law", "Gain")],
         probes,
+        signals: vec![Some("joint1.q".to_owned())],
+        layers: serde_json::Value::Null,
     };
     let net = Net { title: "joint1.q -> law.u".to_owned(), nodes: vec![0, 1], directed: true };
     let probe = Probe { element: String::new(), path: "axis1.set".to_owned() };

@@ -69,7 +69,12 @@ fn report() -> Report {
         }],
         diagram: Diagram {
             drawings: vec![Drawing { svg, nets }],
-            levels: vec![Level { blocks: vec![block("motor"), block("law")], probes, ..Level::default() }],
+            levels: vec![Level {
+                blocks: vec![block("motor"), block("law")],
+                probes,
+                signals: ["motor.i", "motor.list", "motor.w"].map(|name| Some(name.to_owned())).to_vec(),
+                ..Level::default()
+            }],
             ..Diagram::default()
         },
         tables: vec![(

@@ -1,4 +1,5 @@
 mod fix;
+mod panel;
 
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::Options;
@@ -24,7 +25,9 @@ pub fn check(args: &CheckArgs, console: Console) -> Outcome {
     }
     let units = args.units.into();
     let loaded = load_with(&args.model, Purpose::Look, &Options { units, ..Options::default() })?;
-    let problems = &loaded.compiled.problems;
+    let mut problems = loaded.compiled.problems.clone();
+    problems.extend(panel::warnings(&args.model, &loaded));
+    let problems = &problems;
     let exit = if loaded.compiled.schedule.is_some() { Exit::Done } else { Exit::Model };
     tell_with(problems, &loaded.files, (exit != Exit::Done).then_some(exit), console)?;
     let said = format!("{}: {}", args.model.model.display(), render::tally(problems));

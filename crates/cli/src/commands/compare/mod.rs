@@ -10,7 +10,7 @@ use blocksim_recording::{ALWAYS, Column};
 use self::table::Comparison;
 use self::verdict::judge;
 use super::plot::{no_signal, nothing_common, open};
-use super::report::{Other, written_beside};
+use super::report::{Other, page_beside, written_beside};
 use crate::args::plot::{Align, CompareArgs};
 use crate::args::report::ReportArgs;
 use crate::exit::Exit;
@@ -19,7 +19,7 @@ use crate::picture_file::{page, write_pictures};
 use crate::signals::differences::tell_apart;
 use crate::signals::naming::fits;
 use crate::signals::other::other_values;
-use crate::signals::traces::{Book, check_mappings, mappings};
+use crate::signals::traces::{Book, Mapping, check_mappings, mappings};
 use crate::terminal::console::Console;
 
 /// Most signals whose correlation is taken.
@@ -35,10 +35,22 @@ pub fn compare(args: &CompareArgs, console: Console) -> Outcome {
     Ok(exit)
 }
 
-fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), Failure> {
-    let maps = mappings(&args.map)?;
-    let mut books = [open(&args.baseline, &maps)?, open(&args.other, &maps)?];
-    check_mappings(&maps, &books)?;
+/// A page with a run and another one in thinner lines, as far as both go.
+///
+/// # Errors
+/// What cannot be read or compared.
+pub fn page_of_both(baseline: &str, other: &str, console: Console) -> Result<String, Failure> {
+    let args = CompareArgs::of(baseline.to_owned(), other.to_owned());
+    let (books, title) = books(&args, &[], console)?;
+    let outcome = comparison(&args, &books, title, console)?;
+    let other = Other { book: &books[1], shift: outcome.shift, compared: outcome.compared() };
+    page_beside(&ReportArgs::of(args.baseline.clone()), other, console)
+}
+
+/// Both recordings, and what a picture of them is called.
+fn books(args: &CompareArgs, maps: &[Mapping], console: Console) -> Result<([Book; 2], String), Failure> {
+    let mut books = [open(&args.baseline, maps)?, open(&args.other, maps)?];
+    check_mappings(maps, &books)?;
     let title = tell_apart(&mut books);
     for book in &books {
         book.warnings().iter().for_each(|line| console.say(line));
@@ -47,13 +59,28 @@ fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), Fail
             return Err(Failure::unreadable(said).help("run the model, or export the table, again"));
         }
     }
-    let chosen = chosen(args, &books)?;
-    say_units(&chosen, &books, console);
-    let shift = shift(args, &books, &chosen)?;
-    let found: Result<Vec<_>, Failure> = chosen.iter().map(|&at| judge(args, &books, at, shift)).collect();
+    Ok((books, title))
+}
+
+fn comparison<'a>(
+    args: &'a CompareArgs,
+    books: &'a [Book; 2],
+    title: String,
+    console: Console,
+) -> Result<Comparison<'a>, Failure> {
+    let chosen = chosen(args, books)?;
+    say_units(&chosen, books, console);
+    let shift = shift(args, books, &chosen)?;
+    let found: Result<Vec<_>, Failure> = chosen.iter().map(|&at| judge(args, books, at, shift)).collect();
     let extra = books[1].traces.iter().map(|trace| &trace.path).filter(|path| books[0].find(path).is_none());
     let extra = if args.signals.is_empty() { extra.cloned().collect() } else { Vec::new() };
-    let outcome = Comparison { args, books: &books, title, found: found?, shift, extra };
+    Ok(Comparison { args, books, title, found: found?, shift, extra })
+}
+
+fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), Failure> {
+    let maps = mappings(&args.map)?;
+    let (books, title) = books(args, &maps, console)?;
+    let outcome = comparison(args, &books, title, console)?;
 
     let mut text = if args.json { format!("{}\n", outcome.json()) } else { outcome.text() };
     if args.svg.is_some() || args.png.is_some() {
@@ -67,7 +94,7 @@ fn compared(args: &CompareArgs, console: Console) -> Result<(String, Exit), Fail
     if let Some(file) = &args.html {
         let page =
             ReportArgs { out: Some(file.clone()), yes: args.yes, ..ReportArgs::of(args.baseline.clone()) };
-        let other = Other { book: &books[1], shift, compared: outcome.compared() };
+        let other = Other { book: &books[1], shift: outcome.shift, compared: outcome.compared() };
         let file = written_beside(&page, &maps, other, console)?;
         let line = format!("{}\n", file.display());
         if args.json { console.say(line.trim_end()) } else { text.push_str(&line) }

@@ -7,8 +7,8 @@ use super::Found;
 use super::facts::{Law, Way, decibels, degrees};
 use super::matrices::{Hold, Stays};
 
-/// Everything with all digits, in SI units.
-pub fn json(found: &Found) -> Value {
+/// Everything with all digits, in SI units, with the responses point by point if they are wanted.
+pub fn json(found: &Found, with_curves: bool) -> Value {
     let (question, system) = (&found.question, &found.linearised);
     let open = question.open.iter().map(|place| json!({ "name": place.name, "unit": place.unit() }));
     let to = question.to.iter().zip(&system.values);
@@ -20,7 +20,13 @@ pub fn json(found: &Found) -> Value {
     let stays = |stays: Stays| -> Vec<&str> {
         system.modes.iter().filter(|mode| mode.1 == stays).map(|mode| mode.0.as_str()).collect()
     };
-    let ways = found.ways.iter().zip(&question.to).map(|(way, to)| of_way(way, &to.name));
+    let ways = found.ways.iter().zip(&question.to).map(|(way, to)| {
+        let mut data = of_way(way, &to.name);
+        if with_curves {
+            data["curves"] = curves(way);
+        }
+        data
+    });
     json!({
         "v": 1,
         "type": "linear",
@@ -89,6 +95,15 @@ fn of_way(way: &Way, to: &str) -> Value {
             "overshoot": step.overshoot, "rise": step.rise, "settling": step.settling,
         })),
         "margins": margins,
+    })
+}
+
+/// Magnitude in dB and phase in degrees over frequency in rad/s, the response as complex numbers, and the course of a step.
+fn curves(way: &Way) -> Value {
+    let response: Vec<Value> = way.response.iter().map(complex).collect();
+    json!({
+        "frequency": way.frequencies, "magnitude": decibels(&way.response), "phase": degrees(&way.response),
+        "response": response, "step": way.step_course(),
     })
 }
 

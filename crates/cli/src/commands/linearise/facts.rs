@@ -3,7 +3,7 @@
 use blocksim_linear::{
     Channel, Complex, Delayed, Gain, LinearError, Margins, Mode, Reduced, Response, StateSpace, StepInfo,
     bandwidth, bandwidth_delayed, frequencies, is_stable, margins, margins_delayed, modes, poles, reduced,
-    static_gain, step_info, zeros,
+    static_gain, step_info, step_response, zeros,
 };
 
 use super::matrices::Linearised;
@@ -62,6 +62,23 @@ impl Way {
         }
     }
 
+    /// The response to a step, of a loop that of the closed one: times in s and values. Until it has come to its end, or for as long as
+    /// tells where it goes; nothing where dead times are.
+    pub fn step_course(&self) -> Option<Vec<(f64, f64)>> {
+        let Law::Rational(channel) = &self.law else { return None };
+        let closed = match &self.margins {
+            Some(_) => Some(channel.closed()?),
+            None => None,
+        };
+        let channel = closed.as_ref().unwrap_or(channel);
+        let poles = poles(&channel.a).ok()?;
+        let settling = step_info(channel).ok().flatten().map(|info| info.settling);
+        let settled = settling.filter(|settling| settling.is_finite() && *settling > 0.0);
+        // Slow poles with hardly any part in it would make it too long to see the rest.
+        let end = settled.map_or_else(|| course_end(&poles, channel.period), |settling| 2.0 * settling);
+        Some(step_response(channel, end, COURSE))
+    }
+
     /// Number of states that take part, besides what is in dead times.
     pub fn order(&self) -> usize {
         match &self.law {
@@ -69,6 +86,29 @@ impl Way {
             Law::Dead(dead) => dead.delayed.order(),
         }
     }
+}
+
+/// Points of the response to a step.
+const COURSE: usize = 400;
+
+/// How long a response to a step is looked at, s: six times the longest time constant of what dies down, three times the shortest of what
+/// grows. What neither does nor grows is an integrator, or swings for ever.
+fn course_end(poles: &[Complex<f64>], period: Option<f64>) -> f64 {
+    let all = modes(poles, period);
+    let rate = |mode: &Mode| mode.time_constant.abs().recip().min(f64::MAX);
+    let fastest = all.iter().map(|mode| mode.frequency).filter(|w| w.is_finite()).fold(0.0, f64::max);
+    // Slower than that is at rest, as an integrator is.
+    let moves = |rate: &f64| *rate > 1e-6 * fastest;
+    let grows = |mode: &&Mode| mode.time_constant < 0.0;
+    let growth = all.iter().filter(grows).map(rate).fold(0.0, f64::max);
+    let least = all.iter().map(rate).filter(moves).fold(f64::INFINITY, f64::min);
+    let end = match (growth > 0.0, least.is_finite()) {
+        (true, _) => 3.0 / growth,
+        (false, true) => 6.0 / least,
+        (false, false) if fastest > 0.0 => 20.0 / fastest,
+        _ => period.map_or(1.0, |period| 50.0 * period),
+    };
+    period.map_or(end, |period| end.max(20.0 * period))
 }
 
 /// All poles of the system, with those of no way, and the numbers of the states that nothing acts on: these are as constant as

@@ -84,7 +84,7 @@ pub fn linearise(args: &LineariseArgs, console: Console) -> Outcome {
     };
     let chart = chart(args, &found)?;
     if args.json {
-        console.data(&format!("{}\n", data::json(&found)))?;
+        console.data(&format!("{}\n", data::json(&found, args.curves)))?;
     } else {
         console.data(&report::text(&found, console, !args.no_plot))?;
     }

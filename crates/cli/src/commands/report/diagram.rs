@@ -4,11 +4,13 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use blocksim_block::BlockInfo;
 use blocksim_diagram::{Content, Model, ModelBlock, Sources, origins};
-use blocksim_drawing::{Level as Drawable, Look, all_levels, inline, style_sheet};
+use blocksim_drawing::{Facts, Layer, Level as Drawable, all_levels, inline, style_sheet};
 use blocksim_layout::layout;
+use blocksim_picture::pretty_unit;
 use blocksim_report::{Drawing, Inspected, Kind, Level, Net, Probe, Report};
 use blocksim_signal::Dimension;
 use blocksim_syntax::Shape;
+use serde_json::{Value, json};
 
 use super::numbers::shortest;
 use super::source_text::{line, set_for, written};
@@ -19,8 +21,14 @@ const LONGEST: usize = 120;
 /// Most elements of a bus that are told.
 const ELEMENTS: usize = 40;
 
-/// Adds all levels. Levels that look alike share a drawing.
-pub fn add(model: &Model, sources: &Sources, overrides: &[String], report: &mut Report) {
+/// Adds all levels. Levels that look alike share a drawing; what is known of a compiled model is laid over it.
+pub fn add(
+    model: &Model,
+    sources: &Sources,
+    overrides: &[String],
+    facts: Option<&Facts>,
+    report: &mut Report,
+) {
     let mut models: HashMap<&str, &Model> = HashMap::new();
     gather(model, &mut models);
     let recorded = Recorded::of(model, report);
@@ -36,6 +44,8 @@ pub fn add(model: &Model, sources: &Sources, overrides: &[String], report: &mut 
         });
         let blocks = blocks.collect();
         let (path, title) = (level.path.clone(), level.title.clone());
+        let layers = facts.map_or(Value::Null, |facts| layers(facts, &level));
+        let signals = level.lines.iter().map(|line| line.signal.clone()).collect();
         let level = relative(level);
         let same = |other: &Drawable| {
             other.graph == level.graph && other.figures == level.figures && other.lines == level.lines
@@ -45,10 +55,30 @@ pub fn add(model: &Model, sources: &Sources, overrides: &[String], report: &mut 
             known.push(level);
             known.len() - 1
         });
-        report.diagram.levels.push(Level { path, title, drawing, blocks, probes });
+        report.diagram.levels.push(Level { path, title, drawing, blocks, probes, signals, layers });
     }
     report.diagram.style = style_sheet();
     report.diagram.kinds = kinds.iter().filter_map(|kind| BlockInfo::find(kind)).map(kind).collect();
+}
+
+/// Layers over a level, and what they say of its wires and blocks.
+fn layers(facts: &Facts, level: &Drawable) -> Value {
+    let (known, laid_out) = (facts.on(level), layout(&level.graph));
+    let drawn = Layer::ALL.map(|layer| (layer.name(), facts.draw(layer, level, &known, &laid_out)));
+    let drawn: serde_json::Map<String, Value> =
+        drawn.into_iter().map(|(name, svg)| (name.to_owned(), svg.into())).collect();
+    let pace = |pace: Option<blocksim_drawing::Pace>| pace.map(|pace| facts.pace(pace));
+    let wires = known.wires.iter().map(|wire| {
+        json!({ "unit": pretty_unit(&wire.unit), "pace": pace(wire.pace), "back": wire.feedback, "loops": wire.loops })
+    });
+    let blocks = known
+        .blocks
+        .iter()
+        .map(|block| json!({ "order": block.order, "pace": pace(block.pace), "loops": block.loops }));
+    json!({
+        "svg": drawn, "legend": facts.legend(&known),
+        "wires": wires.collect::<Vec<_>>(), "blocks": blocks.collect::<Vec<_>>(),
+    })
 }
 
 fn gather<'m>(model: &'m Model, out: &mut HashMap<&'m str, &'m Model>) {
@@ -197,18 +227,7 @@ impl Recorded {
 
     /// What is known of a wire.
     fn on(&self, level: &Drawable, net: usize) -> Vec<Probe> {
-        let net = &level.graph.nets[net];
-        let Some(end) = net.ends.first().filter(|_| net.directed) else { return Vec::new() };
-        let (figure, within) = (&level.figures[end.node], |name: &str| match level.path.as_str() {
-            "" => name.to_owned(),
-            path => format!("{path}/{name}"),
-        });
-        let port = &figure.ports[end.port].name;
-        let name = match (&figure.look, figure.name.strip_prefix("in.")) {
-            (Look::Pill, _) => format!("{}.{port}", level.path),
-            (Look::Selector, Some(input)) => format!("{}.{input}.{port}", level.path),
-            _ => format!("{}.{port}", within(&figure.name)),
-        };
+        let Some(name) = level.name_of(net) else { return Vec::new() };
         let known = |name: &String, element: &str| {
             let found = self.origins.get(name).and_then(|origin| self.shown.get(origin));
             found

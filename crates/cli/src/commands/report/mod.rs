@@ -88,6 +88,17 @@ pub fn written_beside(
     kept(&report, &target, console)
 }
 
+/// The page of a run with another one beside it as text.
+///
+/// # Errors
+/// What cannot be read.
+pub fn page_beside(args: &ReportArgs, other: Other, console: Console) -> Result<String, Failure> {
+    let path = locate(&args.run, Path::new(RUNS)).map_err(|error| Failure::of_run(&error))?;
+    let mut report = gathered(args, &path, &[], console)?;
+    beside::add(&Book::open(&path, &[])?, other, &mut report)?;
+    Ok(html(&report))
+}
+
 /// Writes the page.
 fn kept(report: &Report, (folder, name): &(PathBuf, String), console: Console) -> Result<PathBuf, Failure> {
     let page = html(report);

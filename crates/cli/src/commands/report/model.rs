@@ -39,7 +39,7 @@ pub fn read(text: &Text, sources: &Sources, report: &mut Report) -> Option<Model
 /// Adds the block diagram and the tables of parameters; the pictures must be there.
 pub fn add(model: &Model, text: &Text, sources: &Sources, report: &mut Report) {
     report.tables.splice(0..0, tables::of(model, sources, &text.overrides));
-    diagram::add(model, sources, &text.overrides, report);
+    diagram::add(model, sources, &text.overrides, None, report);
     // What the diagram calls itself says more than the name of its file.
     let top = report.diagram.levels.iter().find(|level| level.path.is_empty() && !level.title.is_empty());
     if let Some(title) = top.map(|level| level.title.clone()) {

@@ -5,6 +5,7 @@ mod finish;
 mod prepare;
 mod simulate;
 mod verify;
+mod watched;
 
 use blocksim_recording::ResultsError;
 
@@ -23,7 +24,10 @@ use crate::terminal::console::Console;
 /// What keeps it from running, or its results from being kept.
 pub fn run(args: &RunArgs, console: Console) -> Outcome {
     let (setup, simulation) = prepare::prepare(args, console)?;
-    simulate::simulate(args, setup, simulation, console)
+    match args.live {
+        Some(speed) => watched::watch(args, setup, simulation, speed, console),
+        None => simulate::simulate(args, setup, simulation, console),
+    }
 }
 
 /// Keeps a run that has ended, shows it, and makes its page if that is wanted.

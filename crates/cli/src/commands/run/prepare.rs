@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use blocksim_block::schedule::Schedule;
+use blocksim_diagram::Options;
 use blocksim_recording::{ResultsError, RunFolder, probe};
 use blocksim_scene::Scene;
 use blocksim_sim::Simulation;
@@ -14,7 +15,7 @@ use crate::args::model::RunArgs;
 use crate::args::values::RUNS;
 use crate::exit::Exit;
 use crate::failure::Failure;
-use crate::loaded::{Loaded, load};
+use crate::loaded::{Loaded, load_with};
 use crate::running::blame::failure;
 use crate::running::selection::{Selection, select};
 use crate::running::{interrupt, native, solver};
@@ -46,14 +47,15 @@ pub struct Setup {
 /// # Errors
 /// What is wrong with it, with the command line, or with the place of the results.
 pub fn prepare(args: &RunArgs, console: Console) -> Result<(Setup, Simulation), Failure> {
-    let mut loaded = load(&args.model, Purpose::Run)?;
+    let options = Options { recorded: &args.record, ..Options::default() };
+    let mut loaded = load_with(&args.model, Purpose::Run, &options)?;
     let mut schedule = loaded.take_schedule("nothing was run", console)?;
     solver::apply(&args.solver, &mut schedule.settings)?;
     let poses = loaded.scene().map(Scene::signals).unwrap_or_default();
     let selection = select(&schedule.recorded, &args.signals, &poses, &schedule.settings)?;
     interrupt::take_over();
     let started = SystemTime::now();
-    let folder = results_folder(args, started).map_err(|error| unwritten(&error))?;
+    let folder = results_folder(args, started, 1).map_err(|error| unwritten(&error))?;
     let schedule = Arc::new(schedule);
     let mut simulation = match Simulation::new(Arc::clone(&schedule)) {
         Ok(simulation) => simulation,
@@ -71,10 +73,15 @@ pub fn prepare(args: &RunArgs, console: Console) -> Result<(Setup, Simulation), 
     Ok((Setup { loaded, schedule, selection, folder, started }, simulation))
 }
 
-/// Tries the place of the results before the run, so that a long one does not fail at its end.
-fn results_folder(args: &RunArgs, started: SystemTime) -> Result<RunFolder, ResultsError> {
+/// Tries the place of the results before the run, so that a long one does not fail at its end. The second future of a run and those
+/// behind it have places of their own, `DIR-2` and so on where one was named.
+pub fn results_folder(args: &RunArgs, started: SystemTime, future: usize) -> Result<RunFolder, ResultsError> {
     if let Some(out) = &args.out {
-        let folder = RunFolder::create_exactly(out)?;
+        let mut name = out.clone().into_os_string();
+        if future > 1 {
+            name.push(format!("-{future}"));
+        }
+        let folder = RunFolder::create_exactly(Path::new(&name))?;
         let parent = out.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         probe(parent)?;
         return Ok(folder);

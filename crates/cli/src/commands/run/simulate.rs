@@ -6,7 +6,7 @@ use blocksim_block::problem::Problem;
 use blocksim_block::schedule::Schedule;
 use blocksim_host::{Cause, Death};
 use blocksim_recording::{Ended, EventRow, Manifest, ResultsError, Run, STORE, Store, clock};
-use blocksim_sim::{Counts, Findings, Simulation};
+use blocksim_sim::{Counts, Findings, SimError, Simulation};
 
 use super::prepare::Setup;
 use super::{finish, unwritten};
@@ -16,7 +16,6 @@ use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::running::blame::{failure, reason, warnings};
 use crate::running::keep::{self, Seen};
-use crate::running::live::Live;
 use crate::running::model_text::{self, MODEL};
 use crate::running::recorder::{Recorder, Shared, WithChanges};
 use crate::running::start::Began;
@@ -76,6 +75,30 @@ pub struct Simulated {
 /// # Errors
 /// If nothing can be recorded or kept.
 pub fn simulate(args: &RunArgs, mut setup: Setup, mut simulation: Simulation, console: Console) -> Outcome {
+    let recorder = Mutex::new(Some(begin(args, &mut setup, console)?));
+    let mut tuner = Tuner::new(args, &setup.loaded.on_disk);
+    let setup = Mutex::new(Some(setup));
+    let began = Began::of(&simulation);
+    let keep = |death: &Death| keep_dead(args, &recorder, &setup, began.clone(), death, console);
+    let mut refused = None;
+    let outcome = if args.change.is_empty() {
+        rescue::during(keep, || simulation.run(&mut Shared(&recorder)))
+    } else {
+        let mut changes = WithChanges::new(Shared(&recorder), Planned::new(&args.change));
+        let outcome = rescue::during(keep, || tuner.run(&mut simulation, &mut changes));
+        refused = changes.refused;
+        outcome
+    };
+    let (Some(recorder), Some(setup)) = (taken(&recorder), taken(&setup)) else { return Ok(Exit::Failed) };
+    let end = End::of(outcome, refused, &mut simulation, &setup.schedule, began);
+    finish(args, setup, recorder, end, console)
+}
+
+/// Begins a recording.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn begin(args: &RunArgs, setup: &mut Setup, console: Console) -> Result<Recorder, Failure> {
     let telling = match (args.json, args.quiet) {
         _ if args.live.is_some() => Telling::Live,
         (true, _) => Telling::Data,
@@ -83,8 +106,8 @@ pub fn simulate(args: &RunArgs, mut setup: Setup, mut simulation: Simulation, co
         _ => Telling::People,
     };
     // Whoever finds the folder of a run that was ended by force is to know what it was.
-    let begun = facts(args, &setup, Counts::default(), 0.0, 0.0, Ended::Unfinished);
-    let Setup { loaded, schedule, selection, folder, .. } = &mut setup;
+    let begun = facts(args, setup, Counts::default(), 0.0, 0.0, Ended::Unfinished);
+    let Setup { loaded, schedule, selection, folder, .. } = setup;
     let stream = folder
         .write_manifest(&begun)
         .and_then(|()| {
@@ -94,67 +117,65 @@ pub fn simulate(args: &RunArgs, mut setup: Setup, mut simulation: Simulation, co
         })
         .and_then(|()| folder.record(&selection.layout, &selection.sources, schedule.recorded.len()))
         .map_err(|error| unwritten(&error))?;
-    let progress = Progress::new(console, telling, schedule.settings.stop_time);
-    let recorder = Mutex::new(Some(Recorder::new(stream, progress)));
-    let mut tuner = Tuner::new(&args.model, &args.solver, &setup.loaded.on_disk);
-    let setup = Mutex::new(Some(setup));
-    let began = Began::of(&simulation);
-    let keep = |death: &Death| {
-        let (Some(recorder), Some(setup)) = (taken(&recorder), taken(&setup)) else { return Exit::Failed };
-        let end = End::by_death(death, &setup.schedule, recorder.counts, began.clone());
-        finish(args, setup, recorder, end, console).unwrap_or_else(|failure| failure.tell(console))
-    };
-    let planned = Planned::new(&args.change);
-    let mut refused = None;
-    let outcome = if let Some(speed) = args.live {
-        let mut live = Live::begin(Shared(&recorder), simulation.schedule(), planned, speed, console);
-        let outcome = rescue::during(keep, || tuner.run(&mut simulation, &mut live));
-        live.finish();
-        outcome
-    } else if !args.change.is_empty() {
-        let mut changes = WithChanges::new(Shared(&recorder), planned);
-        let outcome = rescue::during(keep, || tuner.run(&mut simulation, &mut changes));
-        refused = changes.refused;
-        outcome
-    } else {
-        rescue::during(keep, || simulation.run(&mut Shared(&recorder)))
-    };
-    let (Some(recorder), Some(setup)) = (taken(&recorder), taken(&setup)) else { return Ok(Exit::Failed) };
-    let (ended, exit, problem) = match outcome {
-        Ok(_) if refused.is_some() => {
-            let (message, help) = refused.unwrap_or_default();
-            let problem = Problem { help, ..Problem::error("tuning", message.clone()) };
-            (Ended::Failed { reason: message }, Exit::Failed, Some(problem))
-        }
-        Ok(blocksim_sim::Ended::Finished) => (Ended::Complete, Exit::Done, None),
-        Ok(blocksim_sim::Ended::Stopped) => {
-            let reason = simulation.stop_reason().unwrap_or_default();
-            (Ended::Stopped { reason }, Exit::Done, None)
-        }
-        Ok(blocksim_sim::Ended::Interrupted) => (Ended::Interrupted, Exit::Interrupted, None),
-        Err(_) if blocksim_host::was_interrupted() => (Ended::Interrupted, Exit::Interrupted, None),
-        Err(error) => {
-            (Ended::Failed { reason: reason(&error) }, Exit::Failed, Some(failure(&error, &setup.schedule)))
-        }
-    };
-    let end = End {
-        ended,
-        exit,
-        problem,
-        counts: simulation.counts(),
-        time: simulation.time(),
-        warnings: warnings(&mut simulation, &setup.schedule),
-        began,
-        findings: simulation.findings(),
-    };
-    finish(args, setup, recorder, end, console)
+    Ok(Recorder::new(stream, Progress::new(console, telling, schedule.settings.stop_time)))
 }
 
-fn taken<T>(shared: &Mutex<Option<T>>) -> Option<T> {
+/// Keeps what there is of a run in which a plug-in died.
+pub fn keep_dead(
+    args: &RunArgs,
+    recorder: &Mutex<Option<Recorder>>,
+    setup: &Mutex<Option<Setup>>,
+    began: Option<Began>,
+    death: &Death,
+    console: Console,
+) -> Exit {
+    let (Some(recorder), Some(setup)) = (taken(recorder), taken(setup)) else { return Exit::Failed };
+    let end = End::by_death(death, &setup.schedule, recorder.counts, began);
+    finish(args, setup, recorder, end, console).unwrap_or_else(|failure| failure.tell(console))
+}
+
+/// What has not been taken away.
+pub fn taken<T>(shared: &Mutex<Option<T>>) -> Option<T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
 
 impl End {
+    /// That of a run which has returned; `refused` is why a parameter could not be set, and what helps.
+    pub fn of(
+        outcome: Result<blocksim_sim::Ended, SimError>,
+        refused: Option<(String, Option<String>)>,
+        simulation: &mut Simulation,
+        schedule: &Schedule,
+        began: Option<Began>,
+    ) -> End {
+        let (ended, exit, problem) = match (outcome, refused) {
+            (Ok(_), Some((message, help))) => {
+                let problem = Problem { help, ..Problem::error("tuning", message.clone()) };
+                (Ended::Failed { reason: message }, Exit::Failed, Some(problem))
+            }
+            (Ok(blocksim_sim::Ended::Finished), None) => (Ended::Complete, Exit::Done, None),
+            (Ok(blocksim_sim::Ended::Stopped), None) => {
+                let reason = simulation.stop_reason().unwrap_or_default();
+                (Ended::Stopped { reason }, Exit::Done, None)
+            }
+            (Ok(blocksim_sim::Ended::Interrupted), None) => (Ended::Interrupted, Exit::Interrupted, None),
+            (Err(_), _) if blocksim_host::was_interrupted() => (Ended::Interrupted, Exit::Interrupted, None),
+            (Err(error), _) => {
+                (Ended::Failed { reason: reason(&error) }, Exit::Failed, Some(failure(&error, schedule)))
+            }
+        };
+        End {
+            ended,
+            exit,
+            problem,
+            counts: simulation.counts(),
+            time: simulation.time(),
+            warnings: warnings(simulation, schedule),
+            began,
+            findings: simulation.findings(),
+        }
+    }
+
     /// That of a run in which a plug-in died, or did not return when it was to end.
     fn by_death(death: &Death, schedule: &Schedule, counts: Counts, began: Option<Began>) -> End {
         let error = rescue::failure(death, schedule);

@@ -7,11 +7,13 @@ use std::time::{Duration, Instant, SystemTime};
 use blocksim_studio::{Desk, News, Reply};
 use serde_json::{Value, json};
 
+use super::analysis::Questions;
 use super::model::{self, Shown, place};
 use super::runner::Runner;
 use super::values::{Changes, list, refusal};
 use super::{motion, name_of, project};
 use crate::args::values::RUNS;
+use crate::commands::compare::page_of_both;
 use crate::commands::report;
 use crate::terminal::console::Console;
 
@@ -25,6 +27,8 @@ pub struct Studio {
     news: News,
     console: Console,
     runner: Runner,
+    linear: Questions,
+    sweeps: Questions,
     now: Mutex<Now>,
     changes: Mutex<Changes>,
 }
@@ -57,6 +61,8 @@ impl Studio {
         let now = Now { models, model, shown, seen, searched: Instant::now() };
         Studio {
             runner: Runner::new(news.clone()),
+            linear: Questions::default(),
+            sweeps: Questions::default(),
             root,
             may_edit,
             news,
@@ -103,6 +109,8 @@ impl Studio {
     /// Ends what goes on.
     pub fn end(&self) {
         self.runner.end();
+        self.linear.end();
+        self.sweeps.end();
     }
 
     fn project(&self) -> Value {
@@ -117,6 +125,7 @@ impl Studio {
             "title": now.shown.title,
             "version": now.shown.version,
             "until": now.shown.until,
+            "panel": now.shown.panel,
             "problems": now.shown.problems,
             "rows": rows,
             "next": next,
@@ -201,6 +210,14 @@ fn times(root: &Path, model: &Path, shown: &Shown) -> Vec<Option<SystemTime>> {
     shown.files.iter().map(|(path, _)| written(path)).collect()
 }
 
+/// The folder of a run by its name: one part of a path, so that nothing but a run can be named.
+fn run_folder(name: &str) -> Option<PathBuf> {
+    let is_name =
+        Path::new(name).components().count() == 1 && !name.contains(['/', '\\']) && !name.starts_with('.');
+    let folder = Path::new(RUNS).join(name);
+    (is_name && folder.is_dir()).then_some(folder)
+}
+
 impl Desk for Studio {
     fn look(&self, path: &str) -> Reply {
         match path {
@@ -216,6 +233,7 @@ impl Desk for Studio {
                 drop(now);
                 Reply::Data(motion::robot_of(&model, &scene))
             }
+            "signals" => Reply::Data(self.now().shown.signals.clone()),
             "runs" => Reply::Data(project::runs().into()),
             "live" => self.runner.so_far(),
             _ => Reply::Missing,
@@ -228,6 +246,12 @@ impl Desk for Studio {
             "run" => self.runner.start(&place(&self.root, &model), body),
             "control" => self.runner.control(body),
             "model" => self.choose(body),
+            "linear" => self.linear.linear(&place(&self.root, &model), body),
+            "sweep" if body["stop"] == true => {
+                self.sweeps.end();
+                Reply::Data(json!({}))
+            }
+            "sweep" => self.sweeps.sweep(&place(&self.root, &model), body, &self.news),
             "plan" => motion::plan(&place(&self.root, &model), body),
             "kept" => motion::kept(&place(&self.root, &model), body["name"].as_str().unwrap_or_default()),
             "set" | "undo" | "keep" | "fix" if !self.may_edit => Reply::refused(
@@ -246,16 +270,16 @@ impl Desk for Studio {
     }
 
     fn run_page(&self, name: &str) -> Reply {
-        let runs = Path::new(RUNS);
-        // A name of one part, so that nothing but a run can be named.
-        let is_name = Path::new(name).components().count() == 1
-            && !name.contains(['/', '\\'])
-            && !name.starts_with('.');
-        let folder = runs.join(name);
-        if !is_name || !folder.is_dir() {
-            return Reply::Missing;
-        }
-        match report::page(&folder, self.console) {
+        // Two names stand for a run with another one beside it.
+        let page = match name.split_once('~') {
+            None => run_folder(name).map(|folder| report::page(&folder, self.console)),
+            Some((name, other)) => run_folder(name).zip(run_folder(other)).map(|(folder, other)| {
+                let [folder, other] = [folder, other].map(|folder| folder.display().to_string());
+                page_of_both(&folder, &other, self.console)
+            }),
+        };
+        let Some(page) = page else { return Reply::Missing };
+        match page {
             Ok(page) => Reply::Page(page),
             Err(failure) => refusal(failure),
         }

@@ -2,6 +2,7 @@
 //!
 //! | file | idea |
 //! |---|---|
+//! | `analysis` | sweeps and linear analysis, as other processes of this program |
 //! | `desk` | answers what the page asks |
 //! | `project` | which models there are; what is ready, stale, wrong or missing |
 //! | `model` | a model as the page shows it: drawings, scopes, problems |
@@ -10,6 +11,7 @@
 //! | `values` | parameters, and texts that change and change back |
 //! | `joined` | a studio of the same project that runs already |
 
+mod analysis;
 mod desk;
 mod joined;
 mod model;

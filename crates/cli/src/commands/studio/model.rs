@@ -6,7 +6,9 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use blocksim_block::problem::{Problem, Severity};
+use blocksim_block::schedule::Schedule;
 use blocksim_diagram::{SourceFile, Sources, model};
+use blocksim_drawing::Facts;
 use blocksim_report::{Report, texts};
 use serde_json::{Value, json};
 
@@ -15,12 +17,14 @@ use crate::commands::check::size;
 use crate::commands::report::diagram;
 use crate::disk::Disk;
 use crate::loaded::{Loaded, load};
-use crate::running::live::scopes;
+use crate::running::live::{panel, scopes};
 use crate::scene::json as scene_json;
 use crate::terminal::places::Texts;
 use crate::terminal::render;
 use crate::trust::{Purpose, is_about_trust};
 
+/// Most names of signals that are offered.
+const SIGNALS: usize = 20_000;
 /// Most problems that are shown.
 const PROBLEMS: usize = 100;
 
@@ -48,6 +52,10 @@ pub struct Shown {
     pub files: Vec<(PathBuf, Option<SystemTime>)>,
     /// End of its simulation, s.
     pub until: f64,
+    /// Names of its signals, one number each, and what sweeps can measure of them.
+    pub signals: Value,
+    /// Its panel, for the page.
+    pub panel: Value,
     /// What is seen of its mechanism, where each of its joints has one freedom; null without.
     pub scene: Value,
 }
@@ -95,6 +103,8 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
         drawn: "null".into(),
         files: Vec::new(),
         until: 0.0,
+        panel: json!([]),
+        signals: json!({ "all": [], "recorded": [] }),
         scene: Value::Null,
     };
     let (problems, loaded) = match load(&args, Purpose::Look) {
@@ -122,19 +132,23 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
     if let Some(Loaded { compiled, on_disk, .. }) = &loaded {
         let written = |path: &Path| path.metadata().ok().and_then(|data| data.modified().ok());
         shown.files = on_disk.iter().map(|file| (file.path.clone(), written(&file.path))).collect();
+        shown.panel = panel::json(&compiled.panel, compiled.schedule.as_ref());
         if let Some(schedule) = &compiled.schedule {
             shown.size = Some(size(schedule));
             shown.until = schedule.settings.stop_time;
+            shown.signals = signals(schedule);
             if !schedule.title.is_empty() {
                 shown.title.clone_from(&schedule.title);
             }
-            report.panels = scopes(schedule).into_iter().map(|scope| scope.panel).collect();
+            report.panels = scopes(schedule, &compiled.panel).into_iter().map(|scope| scope.panel).collect();
         }
     }
     let disk = Disk::default();
     let sources = Sources::new(&disk);
     if let Some(model) = model(&sources, &args.model, &[]).0 {
-        diagram::add(&model, &sources, &[], &mut report);
+        let schedule = loaded.as_ref().and_then(|loaded| loaded.compiled.schedule.as_ref());
+        let facts = Facts::of(&model, schedule);
+        diagram::add(&model, &sources, &[], Some(&facts), &mut report);
     }
     let mut drawn = texts(&report);
     let paths = |panel: &blocksim_report::Panel| -> Vec<String> {
@@ -144,6 +158,17 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
     drawn["style"] = report.diagram.style.clone().into();
     shown.drawn = drawn.to_string().into();
     shown
+}
+
+/// Names of signals: of all outputs, of a vector one for each element, and of what is recorded.
+fn signals(schedule: &Schedule) -> Value {
+    let of = |signal: &blocksim_block::schedule::Signal| match signal.shape.len() {
+        1 => vec![signal.path.clone()],
+        count => (0..count).map(|n| format!("{}[{n}]", signal.path)).collect(),
+    };
+    let all: Vec<String> = schedule.signals.iter().flat_map(of).take(SIGNALS).collect();
+    let recorded: Vec<&str> = schedule.recorded.iter().map(|one| one.path.as_str()).take(SIGNALS).collect();
+    json!({ "all": all, "recorded": recorded })
 }
 
 /// Where a file of a project is, as one would type it.

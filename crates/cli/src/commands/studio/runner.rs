@@ -30,8 +30,16 @@ pub struct Runner {
 struct Now {
     /// As the page knows it.
     state: Value,
-    /// Where the run is told what to do, while it goes on.
+    /// Where the run is told what to do, while it goes on, and behind its end, as long as it may go back.
     input: Option<ChildStdin>,
+    /// It has come to its end, and nothing goes on.
+    is_over: bool,
+    /// It stands still as soon as it is where another one was.
+    begins_paused: bool,
+    /// Counts what was started, as one that has been left may still speak.
+    number: u64,
+    /// What was set in it, and when, as `--change` takes it.
+    changes: Vec<(f64, String)>,
     /// Its pictures, and rows for those who come late.
     scopes: Option<String>,
     rows: VecDeque<String>,
@@ -46,6 +54,10 @@ impl Runner {
         let now = Now {
             state: json!({ "state": "idle" }),
             input: None,
+            is_over: false,
+            begins_paused: false,
+            number: 0,
+            changes: Vec::new(),
             scopes: None,
             rows: VecDeque::new(),
             bytes: 0,
@@ -89,11 +101,17 @@ impl Runner {
         self.news.tell("run", &now.state.to_string());
     }
 
-    /// Starts a run; `body` may say what is set for it, and at which speed it goes.
+    /// Starts a run; `body` may say what is set for it, which signals are recorded as well, and at which speed it goes. With
+    /// `again` it takes the place of the last one: the same is set at the same times, and it is soon where that one was.
     pub fn start(&self, model: &Path, body: &Value) -> Reply {
         let mut now = self.now();
-        if now.input.is_some() {
-            return Reply::refused("a run goes on already", "end it, or wait for it");
+        let is_again = body["again"] == true;
+        if now.input.is_some() && !now.is_over {
+            if !is_again {
+                return Reply::refused("a run goes on already", "end it, or wait for it");
+            }
+            // What it has recorded is recorded once more.
+            let _ = now.input.as_mut().map(|input| writeln!(input, "{}", json!({ "do": "drop" })));
         }
         let mut command = match std::env::current_exe() {
             Ok(program) => Command::new(program),
@@ -101,8 +119,20 @@ impl Runner {
         };
         let speed = body["speed"].as_f64().filter(|speed| speed.is_finite() && *speed >= 0.0).unwrap_or(0.0);
         command.arg("run").arg(model).args(["--json", "--live", &speed.to_string()]);
-        for set in body["set"].as_array().into_iter().flatten().filter_map(Value::as_str) {
-            command.args(["--set", set]);
+        let was_paused = is_again && now.state["state"] == "paused";
+        let sets = if is_again { now.state["set"].clone() } else { body["set"].clone() };
+        let texts = |list: &Value| -> Vec<String> {
+            let all = list.as_array().into_iter().flatten().filter_map(Value::as_str);
+            all.map(str::to_owned).collect()
+        };
+        let records = texts(&body["record"]);
+        command.args(texts(&sets).iter().flat_map(|set| ["--set", set]));
+        command.args(records.iter().flat_map(|signal| ["--record", signal]));
+        if is_again {
+            command.args(now.changes.iter().flat_map(|(_, change)| ["--change", change]));
+            if let Some(t) = now.state["t"].as_f64().filter(|t| *t > 0.0) {
+                command.args(["--catch-up", &format!("{t}s")]);
+            }
         }
         let started = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
         let mut child = match started {
@@ -110,20 +140,31 @@ impl Runner {
             Err(error) => return Reply::refused(format!("the run cannot be started: {error}"), ""),
         };
         let Some(out) = child.stdout.take() else { return Reply::refused("the run cannot be heard", "") };
+        // The one before ends where its input does.
         now.input = child.stdin.take();
-        (now.scopes, now.bytes) = (None, 0);
+        if was_paused {
+            let _ = now.input.as_mut().map(|input| writeln!(input, "{}", json!({ "do": "pause" })));
+        }
+        (now.scopes, now.bytes, now.is_over) = (None, 0, false);
         now.rows.clear();
+        now.changes.clear();
+        now.number += 1;
+        now.begins_paused = was_paused;
+        let number = now.number;
         self.change(&mut now, |state| {
-            *state = json!({ "state": "starting", "model": model.display().to_string(), "set": body["set"] });
+            *state = json!({
+                "state": "starting", "model": model.display().to_string(), "set": sets, "record": records, "changes": [],
+                "futures": [],
+            });
         });
         drop(now);
         let runner = self.clone();
-        std::thread::spawn(move || runner.follow(child, out));
+        std::thread::spawn(move || runner.follow(child, out, number));
         Reply::Data(json!({}))
     }
 
     /// Hands on what a run says, until it ends.
-    fn follow(&self, mut child: Child, out: ChildStdout) {
+    fn follow(&self, mut child: Child, out: ChildStdout, number: u64) {
         let said = child.stderr.take().map(|err| {
             std::thread::spawn(move || {
                 let mut text = Vec::new();
@@ -138,36 +179,67 @@ impl Runner {
         let mut out = BufReader::new(out);
         let mut line = String::new();
         while out.by_ref().take(LINE).read_line(&mut line).is_ok_and(|count| count > 0) {
-            self.line(&line, &mut told);
+            if self.now().number == number {
+                self.line(&line, &mut told);
+            }
             line.clear();
         }
         let status = child.wait();
         let said = said.and_then(|reader| reader.join().ok()).unwrap_or_default();
-        {
-            let mut now = self.now();
-            (now.input, now.ended) = (None, true);
+        let mut now = self.now();
+        if now.number != number {
+            return;
         }
-        self.tell(|state| match told.done {
-            Some(done) => {
-                let name = done["run"].as_str().and_then(|path| Path::new(path).file_name()?.to_str());
-                state["state"] = match done["ended"].as_str() {
-                    Some("complete") => "done",
-                    Some("failed") => "failed",
-                    _ => "stopped",
-                }
-                .into();
-                state["t"] = done["simulated_time"].clone();
-                state["took"] = done["wall_time"].clone();
-                state["name"] = name.into();
-                state["reason"] = told.problem.map_or(done["reason"].clone(), Value::from);
-            }
-            None => {
-                let last = said.lines().rev().find(|line| !line.trim().is_empty()).map(str::to_owned);
-                let code = status.map(|status| status.to_string()).unwrap_or_default();
-                state["state"] = "failed".into();
-                state["reason"] = told.problem.or(last).unwrap_or(code).into();
-            }
+        (now.input, now.ended) = (None, true);
+        if now.is_over {
+            return;
+        }
+        self.change(&mut now, |state| {
+            let last = said.lines().rev().find(|line| !line.trim().is_empty()).map(str::to_owned);
+            let code = status.map(|status| status.to_string()).unwrap_or_default();
+            state["state"] = "failed".into();
+            state["reason"] = told.problem.or(last).unwrap_or(code).into();
         });
+    }
+
+    /// A run has come to its end, or is left for one that goes back.
+    fn done(&self, done: &Value, told: &mut Told) {
+        let name = done["run"].as_str().and_then(|path| Path::new(path).file_name()?.to_str());
+        let problem = told.problem.take();
+        let mut now = self.now();
+        now.ended = true;
+        if std::mem::take(&mut told.is_left) {
+            return self.change(&mut now, |state| left(state, name, &done["simulated_time"]));
+        }
+        now.is_over = true;
+        self.change(&mut now, |state| {
+            state["state"] = match done["ended"].as_str() {
+                Some("complete") => "done",
+                Some("failed") => "failed",
+                _ => "stopped",
+            }
+            .into();
+            state["t"] = done["simulated_time"].clone();
+            state["took"] = done["wall_time"].clone();
+            state["name"] = name.into();
+            state["reason"] = problem.map_or(done["reason"].clone(), Value::from);
+        });
+    }
+
+    /// The run stands at a time of its past, or stays where it is.
+    fn back(&self, line: &str, event: &Value) {
+        let mut now = self.now();
+        if event["refused"].is_null() {
+            let t = event["t"].as_f64().unwrap_or(0.0);
+            now.changes.retain(|(at, _)| *at < t);
+            now.keep(line);
+            let changes: Vec<String> = now.changes.iter().map(|(_, change)| change.clone()).collect();
+            self.change(&mut now, |state| {
+                (state["state"], state["t"]) = ("paused".into(), t.into());
+                (state["name"], state["changes"]) = (Value::Null, changes.into());
+            });
+        }
+        self.news.tell("back", line);
     }
 
     fn line(&self, line: &str, told: &mut Told) {
@@ -177,23 +249,41 @@ impl Runner {
                 let line = line.trim_end();
                 self.now().scopes = Some(line.to_owned());
                 self.news.tell("scopes", line);
+                let was_paused = std::mem::take(&mut self.now().begins_paused);
                 self.tell(|state| {
-                    state["state"] = "running".into();
+                    state["state"] = if was_paused { "paused" } else { "running" }.into();
                     state["until"] = event["until"].clone();
                     state["t"] = 0.0.into();
                 });
             }
             Some("rows") => {
                 let line = line.trim_end();
-                let mut now = self.now();
-                now.bytes += line.len();
-                now.rows.push_back(line.to_owned());
-                while now.bytes > KEPT {
-                    now.bytes -= now.rows.pop_front().map_or(now.bytes, |gone| gone.len());
-                }
+                self.now().keep(line);
                 self.news.tell("rows", line);
             }
-            Some("tuned") => self.news.tell("tuned", line.trim_end()),
+            Some("tuned") => {
+                self.news.tell("tuned", line.trim_end());
+                if let (Some(t), Some(change)) = (event["t"].as_f64(), event["change"].as_str()) {
+                    let mut now = self.now();
+                    now.changes.push((t, change.to_owned()));
+                    self.change(&mut now, |state| {
+                        if let Some(changes) = state["changes"].as_array_mut() {
+                            changes.push(change.into());
+                        }
+                    });
+                }
+            }
+            Some("left") => {
+                let mut now = self.now();
+                // One that had ended is known by its name.
+                if std::mem::take(&mut now.is_over) {
+                    let (name, t) = (now.state["name"].clone(), event["t"].clone());
+                    self.change(&mut now, |state| left(state, name.as_str(), &t));
+                } else {
+                    told.is_left = true;
+                }
+            }
+            Some("back") => self.back(line.trim_end(), &event),
             Some("progress") => self.tell(|state| {
                 state["t"] = event["t"].clone();
                 state["factor"] = event["real_time_factor"].clone();
@@ -202,7 +292,7 @@ impl Runner {
                 let help = event["help"].as_str().map(|help| format!(" ({help})")).unwrap_or_default();
                 told.problem = event["message"].as_str().map(|message| format!("{message}{help}"));
             }
-            Some("done") => told.done = Some(event),
+            Some("done") => self.done(&event, told),
             _ => {}
         }
     }
@@ -212,16 +302,17 @@ impl Runner {
         let paused = match body["do"].as_str() {
             Some("pause" | "step") => Some(true),
             Some("go") => Some(false),
-            Some("stop" | "speed" | "set") => None,
+            Some("stop" | "speed" | "set" | "back") => None,
             _ => {
                 return Reply::refused(
-                    "a run can pause, go, step, stop, go at a speed, or be given a parameter",
+                    "a run can pause, go, step, stop, go at a speed, go back, or be given a parameter",
                     "",
                 );
             }
         };
         let mut now = self.now();
-        let Some(input) = &mut now.input else {
+        let is_over = now.is_over && body["do"] != "back";
+        let Some(input) = now.input.as_mut().filter(|_| !is_over) else {
             // Whoever ends what has ended has what they want.
             return if body["do"] == "stop" {
                 Reply::Data(json!({}))
@@ -256,9 +347,28 @@ impl Runner {
     }
 }
 
+/// A future that was left, in the state of the run.
+fn left(state: &mut Value, name: Option<&str>, t: &Value) {
+    if let Some(futures) = state["futures"].as_array_mut() {
+        futures.push(json!({ "name": name, "t": t }));
+    }
+}
+
+impl Now {
+    /// Keeps a line for those who come late.
+    fn keep(&mut self, line: &str) {
+        self.bytes += line.len();
+        self.rows.push_back(line.to_owned());
+        while self.bytes > KEPT {
+            self.bytes -= self.rows.pop_front().map_or(self.bytes, |gone| gone.len());
+        }
+    }
+}
+
 /// What a run has said of itself.
 #[derive(Default)]
 struct Told {
-    done: Option<Value>,
     problem: Option<String>,
+    /// It is left for one that goes back, so what it says of its end is not the last word.
+    is_left: bool,
 }

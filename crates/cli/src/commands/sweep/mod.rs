@@ -10,6 +10,7 @@ mod table;
 use std::io;
 
 use blocksim_block::problem::{Problem, Severity};
+use serde_json::json;
 
 use self::combinations::Combinations;
 use self::measure::{Lost, Measured, measure};
@@ -69,6 +70,9 @@ pub fn sweep(args: &SweepArgs, console: Console) -> Outcome {
         |done| {
             if live {
                 console.rewrite(&format!("  {done} of {}", plural(runs, "run")));
+            }
+            if args.progress {
+                console.say(&json!({ "v": 1, "type": "progress", "done": done, "of": runs }).to_string());
             }
         },
     );

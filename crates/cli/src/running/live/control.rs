@@ -1,5 +1,6 @@
-//! What is asked of a run while it runs: `{"do":"pause"}`, `go`, `step`, `stop`, `{"do":"set","set":"pid.kp=12"}`, and
-//! `{"do":"speed","speed":0.5}`, times real time, or 0 for as fast as it can.
+//! What is asked of a run while it runs: `{"do":"pause"}`, `go`, `step`, `stop`, `{"do":"set","set":"pid.kp=12"}`,
+//! `{"do":"back","t":0.5}`, `drop` to end without results, and `{"do":"speed","speed":0.5}`, times real time, or 0 for as fast as it
+//! can.
 
 use std::collections::VecDeque;
 use std::io::BufRead;
@@ -21,11 +22,22 @@ pub struct Control {
     steps: AtomicU32,
     /// A step that began between rows is on its way.
     between: AtomicBool,
-    /// A parameter is to be set.
+    /// Nobody wants the results.
+    dropped: AtomicBool,
+    /// Something is wished for.
     wished: AtomicBool,
     pace: Mutex<Pace>,
-    /// Parameters that are to be set.
-    wishes: Mutex<VecDeque<String>>,
+    /// What is wished for.
+    wishes: Mutex<VecDeque<Wish>>,
+}
+
+/// Something that is done between two steps.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Wish {
+    /// A parameter is set.
+    Set(String),
+    /// The run goes back to a time, s.
+    Back(f64),
 }
 
 /// How simulated time follows the clock on the wall.
@@ -43,6 +55,7 @@ impl Control {
             paused: AtomicBool::new(false),
             steps: AtomicU32::new(0),
             between: AtomicBool::new(false),
+            dropped: AtomicBool::new(false),
             wished: AtomicBool::new(false),
             pace: Mutex::new(Pace { speed, since: None }),
             wishes: Mutex::default(),
@@ -69,10 +82,7 @@ impl Control {
 
     fn take(&self, asked: &Value) {
         match asked["do"].as_str() {
-            Some("pause") => {
-                self.steps.store(0, Ordering::Relaxed);
-                self.paused.store(true, Ordering::Relaxed);
-            }
+            Some("pause") => self.pause(),
             Some("go") => {
                 self.pace().since = None;
                 self.paused.store(false, Ordering::Relaxed);
@@ -86,11 +96,19 @@ impl Control {
             }
             Some("set") => {
                 if let Some(set) = asked["set"].as_str() {
-                    self.wishes().push_back(set.to_owned());
-                    self.wished.store(true, Ordering::Relaxed);
+                    self.wish_for(Wish::Set(set.to_owned()));
+                }
+            }
+            Some("back") => {
+                if let Some(t) = asked["t"].as_f64() {
+                    self.wish_for(Wish::Back(t));
                 }
             }
             Some("stop") => interrupt::request(),
+            Some("drop") => {
+                self.dropped.store(true, Ordering::Relaxed);
+                interrupt::request();
+            }
             _ => {}
         }
     }
@@ -99,21 +117,48 @@ impl Control {
         self.pace.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn wishes(&self) -> std::sync::MutexGuard<'_, VecDeque<String>> {
+    fn wish_for(&self, wish: Wish) {
+        self.wishes().push_back(wish);
+        self.wished.store(true, Ordering::Relaxed);
+    }
+
+    fn wishes(&self) -> std::sync::MutexGuard<'_, VecDeque<Wish>> {
         self.wishes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether a parameter is to be set.
+    /// Whether nobody wants the results.
+    pub fn is_dropped(&self) -> bool {
+        self.dropped.load(Ordering::Relaxed)
+    }
+
+    /// Whether something is wished for.
     pub fn has_wishes(&self) -> bool {
         self.wished.load(Ordering::Relaxed)
     }
 
-    /// The next parameter that is to be set.
-    pub fn wish(&self) -> Option<String> {
+    /// What is wished for next.
+    pub fn wish(&self) -> Option<Wish> {
         let mut wishes = self.wishes();
         let wish = wishes.pop_front();
         self.wished.store(!wishes.is_empty(), Ordering::Relaxed);
         wish
+    }
+
+    /// The run stands still from now on.
+    pub fn pause(&self) {
+        self.steps.store(0, Ordering::Relaxed);
+        self.paused.store(true, Ordering::Relaxed);
+    }
+
+    /// What is wished for of a run that has come to its end; nothing as soon as nobody can wish any more.
+    pub fn linger(&self) -> Option<Wish> {
+        while !interrupt::is_requested() {
+            if let Some(wish) = self.wish() {
+                return Some(wish);
+            }
+            std::thread::sleep(LOOK);
+        }
+        None
     }
 
     /// Whether the run has to wait at this time.

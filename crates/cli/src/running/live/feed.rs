@@ -7,8 +7,9 @@ use base64::engine::general_purpose::STANDARD;
 use blocksim_signal::Unit;
 use serde_json::json;
 
+use super::panel::Shown;
 use super::scopes::{Scope, panels_json};
-use crate::running::tuning::Came;
+use crate::running::tuning::{Came, written};
 use crate::terminal::console::Console;
 
 /// How often rows are told.
@@ -37,12 +38,14 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// Tells which scopes there are.
-    pub fn begin(scopes: &[Scope], until: f64, console: Console) -> Feed {
-        let event = json!({ "v": 1, "type": "scopes", "until": until, "panels": panels_json(scopes) });
+    /// Tells which scopes there are, and which signals the panel shows; their columns stand behind those of the scopes.
+    pub fn begin(scopes: &[Scope], shown: &[Shown], until: f64, console: Console) -> Feed {
+        let paths: Vec<&str> = shown.iter().map(|shown| shown.path.as_str()).collect();
+        let event = json!({ "v": 1, "type": "scopes", "until": until, "panels": panels_json(scopes), "shown": paths });
         // Whoever does not read on is noticed when the run is told at the end.
         let _ = console.data(&format!("{event}\n"));
-        Feed::of(scopes.iter().flat_map(|scope| scope.sources.iter().cloned()).collect(), console)
+        let of_scopes = scopes.iter().flat_map(|scope| scope.sources.iter().cloned());
+        Feed::of(of_scopes.chain(shown.iter().map(|shown| shown.source.clone())).collect(), console)
     }
 
     fn of(columns: Vec<(usize, Unit)>, console: Console) -> Feed {
@@ -122,12 +125,36 @@ impl Feed {
         self.tell();
         let event = match came {
             Ok(without_effect) => {
-                json!({ "v": 1, "type": "tuned", "t": t, "set": set, "without_effect": without_effect })
+                json!({
+                    "v": 1, "type": "tuned", "t": t, "set": set, "without_effect": without_effect, "change": written(t, set),
+                })
             }
             Err((message, help)) => {
                 json!({ "v": 1, "type": "tuned", "t": t, "set": set, "refused": message, "help": help })
             }
         };
+        self.say(&event);
+    }
+
+    /// Tells that the run is left for another one, which goes back into its past.
+    pub fn leaves(&mut self, t: f64) {
+        self.tell();
+        self.say(&json!({ "v": 1, "type": "left", "t": t }));
+    }
+
+    /// Tells that the run stands at a time of its past, with what was set there.
+    pub fn is_back<'r>(&mut self, t: f64, set: &[String], last: impl Iterator<Item = (f64, &'r [f64])>) {
+        self.say(&json!({ "v": 1, "type": "back", "t": t, "set": set }));
+        last.for_each(|(t, values)| self.take(t, values));
+        self.tell();
+    }
+
+    /// Tells why the run does not go back.
+    pub fn stays(&mut self, t: f64, refused: &str) {
+        self.say(&json!({ "v": 1, "type": "back", "t": t, "refused": refused }));
+    }
+
+    fn say(&self, event: &serde_json::Value) {
         let _ = self.console.data(&format!("{event}\n"));
     }
 

@@ -1,23 +1,29 @@
 //! A run that somebody looks at while it runs: what scopes show goes out as lines of JSON, and lines that come in make it pause, go
 //! on by steps or in time with the clock on the wall, and end.
 //!
-//! Nothing of this changes a number of the run: rows are told after they were recorded, and time passes between them.
+//! Nothing of this changes a number of the run: rows are told after they were recorded, and time passes between them. Where the run goes
+//! back into its past, it is kept as it was, and another one begins that has the same past.
 
 mod control;
 mod feed;
+mod history;
+pub mod panel;
 mod scopes;
 
 use std::sync::Arc;
 
 use blocksim_block::schedule::Schedule;
-use blocksim_sim::{Control as Answer, Counts, Observer};
+use blocksim_diagram::PanelItem;
+use blocksim_recording::EventRow;
+use blocksim_sim::{Control as Answer, Counts, Observer, SimError, Simulation};
 
 pub use scopes::scopes;
 
-use self::control::Control;
+use self::control::{Control, Wish};
 use self::feed::Feed;
+use self::history::{Back, History};
 use crate::running::recorder::Shared;
-use crate::running::tuning::{self, Came, Planned, Tunes};
+use crate::running::tuning::{self, Came, Planned, Tunes, When};
 use crate::terminal::console::Console;
 
 /// Hands all to the recorder, and to who looks.
@@ -26,34 +32,106 @@ pub struct Live<'a> {
     feed: Feed,
     control: Arc<Control>,
     planned: Planned,
-    /// A parameter is being set: the rows of that come all at once, also where the run is paused.
-    tuning: bool,
+    history: History,
+    /// A parameter is being set, since when: the rows of that come all at once, also where the run is paused.
+    tuning: Option<When>,
+    /// The run is to go back to this time.
+    leaves: Option<f64>,
+    /// It is on its way there again, which nobody sees.
+    until: Option<f64>,
+    /// The way there was not as before.
+    pub strayed: Option<f64>,
+    /// It does not wait before this time.
+    hurry: f64,
 }
 
 impl<'a> Live<'a> {
-    /// Tells which scopes there are, and listens to the standard input from now on; `speed` is that at first, times real time.
+    /// Tells which scopes and which panel there are, and listens to the standard input from now on. `speed` is that at first,
+    /// times real time; before the time behind it the run does not wait.
     pub fn begin(
         recorder: Shared<'a>,
         schedule: &Schedule,
+        items: &[PanelItem],
         planned: Planned,
-        speed: f64,
+        (speed, hurry): (f64, f64),
         console: Console,
     ) -> Live<'a> {
-        let scopes = scopes(schedule);
-        let feed = Feed::begin(&scopes, schedule.settings.stop_time, console);
-        Live { recorder, feed, control: Control::of_standard_input(speed), planned, tuning: false }
+        let scopes = scopes(schedule, items);
+        let shown = panel::shown(items, schedule);
+        let feed = Feed::begin(&scopes, &shown, schedule.settings.stop_time, console);
+        Live {
+            recorder,
+            feed,
+            control: Control::of_standard_input(speed),
+            planned,
+            history: History::new(schedule.recorded.len()),
+            tuning: None,
+            leaves: None,
+            until: None,
+            strayed: None,
+            hurry,
+        }
+    }
+
+    /// Whether nobody wants the results.
+    pub fn is_dropped(&self) -> bool {
+        self.control.is_dropped()
     }
 
     /// Tells what has not been told.
     pub fn finish(&mut self) {
         self.feed.tell();
     }
+
+    /// The time to go back to, if the run is to: that was wished for while it ran, or is wished for now that it has ended. Waits for
+    /// that, and gives nothing as soon as nobody can wish any more.
+    pub fn linger(&mut self, now: f64) -> Option<f64> {
+        loop {
+            if let Some(t) = self.leaves.take() {
+                return Some(t);
+            }
+            match self.control.linger()? {
+                Wish::Back(t) => self.consider(t, now),
+                // The next run begins with it.
+                Wish::Set(_) => {}
+            }
+        }
+    }
+
+    /// Has the run go back, if it can.
+    fn consider(&mut self, t: f64, now: f64) {
+        match self.history.refusal(t, now) {
+            Some(refused) => self.feed.stays(t, &refused),
+            None => {
+                self.feed.leaves(now);
+                self.leaves = Some(t);
+            }
+        }
+    }
+
+    /// The run at the last snapshot before a time, on its way there.
+    ///
+    /// # Errors
+    /// If a simulation cannot be made, which has been made before.
+    pub fn go_back(&mut self, t: f64) -> Result<Option<(Simulation, Vec<String>)>, SimError> {
+        let Some(Back { simulation, set, changes, planned }) = self.history.back(t)? else { return Ok(None) };
+        self.planned.add(changes);
+        self.planned.add(planned);
+        self.until = Some(t);
+        // What was before goes to the recorder of the other future as well.
+        self.history.replay(&mut self.recorder);
+        Ok(Some((simulation, set)))
+    }
 }
 
 impl Observer for Live<'_> {
     fn row(&mut self, t: f64, values: &[f64]) {
         self.recorder.row(t, values);
-        if !self.tuning && self.control.holds(t) {
+        self.history.row(t, values);
+        if self.until.is_some() {
+            return;
+        }
+        if self.tuning.is_none() && t >= self.hurry && self.control.holds(t) {
             // Who looks at a run that stands still is to see all that was before.
             self.feed.tell();
             self.control.wait(t, true);
@@ -63,18 +141,19 @@ impl Observer for Live<'_> {
 
     fn event(&mut self, t: f64, path: &str, what: &str) {
         self.recorder.event(t, path, what);
+        self.history.events.push(EventRow { time: t, path: path.to_owned(), what: what.to_owned() });
     }
 
-    fn is_waiting(&self, _t: f64) -> bool {
-        self.control.has_wishes()
+    fn is_waiting(&self, t: f64) -> bool {
+        let wished = self.until.map_or_else(|| self.control.has_wishes(), |until| t >= until);
+        wished || self.planned.is_due(t) || self.history.is_due()
     }
 
     fn progress(&mut self, t: f64, counts: &Counts) -> Answer {
-        if !self.is_waiting(t) {
+        if self.until.is_none() && t >= self.hurry {
             self.control.wait(t, false);
         }
-        let answer = self.recorder.progress(t, counts);
-        if self.is_waiting(t) { Answer::Stop } else { answer }
+        self.recorder.progress(t, counts)
     }
 }
 
@@ -83,18 +162,59 @@ impl Tunes for Live<'_> {
         self.planned.time()
     }
 
+    fn stopped(&mut self, simulation: &Simulation, set: &[String]) {
+        let t = simulation.time();
+        if self.until.is_some_and(|until| t >= until) {
+            self.until = None;
+            if !self.history.arrive() {
+                self.strayed = Some(t);
+                return;
+            }
+            self.control.pause();
+            self.feed.is_back(t, set, self.history.last());
+        }
+        self.history.remember(simulation, set);
+    }
+
     fn wanted(&mut self, t: f64) -> Option<String> {
-        let wish = self.planned.next(t).or_else(|| self.control.wish());
-        self.tuning = wish.is_some();
-        wish
+        self.tuning = None;
+        if self.leaves.is_some() || self.strayed.is_some() {
+            return None;
+        }
+        if let Some((when, set)) = self.planned.next(t) {
+            self.tuning = Some(when);
+            return Some(set);
+        }
+        while self.until.is_none() {
+            match self.control.wish()? {
+                Wish::Set(set) => {
+                    self.tuning = Some(When::After(t));
+                    return Some(set);
+                }
+                Wish::Back(to) => {
+                    self.consider(to, t);
+                    if self.leaves.is_some() {
+                        return None;
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    fn goes_on(&self, _has_set: bool) -> bool {
+        self.leaves.is_none() && self.strayed.is_none()
     }
 
     fn tuned(&mut self, t: f64, set: &str, came: Came) {
-        self.tuning = false;
+        let when = self.tuning.take().unwrap_or(When::After(t));
         if let Ok(without_effect) = &came {
             let (target, what) = tuning::event(set, without_effect);
-            self.recorder.event(t, target, &what);
+            self.event(t, target, &what);
+            self.history.changed(when, set);
         }
-        self.feed.tuned(t, set, came);
+        if self.until.is_none() {
+            self.feed.tuned(t, set, came);
+        }
     }
 }

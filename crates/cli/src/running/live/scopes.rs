@@ -1,11 +1,13 @@
 //! What the scopes of a model show: the same pictures as those of the page of a run, before there is a run.
 
 use blocksim_block::schedule::Schedule;
+use blocksim_diagram::PanelItem;
 use blocksim_picture::pretty_unit;
 use blocksim_report::{Panel, Role, Series};
 use blocksim_signal::Unit;
 use serde_json::{Value, json};
 
+use super::panel::alone;
 use crate::args::plot::Layout;
 use crate::commands::plot::groups::{Group, chosen, groups};
 use crate::signals::display::{layout, turn};
@@ -22,10 +24,12 @@ pub struct Scope {
     pub sources: Vec<(usize, Unit)>,
 }
 
-/// The pictures of a model, in the order of the page of a run.
-pub fn scopes(schedule: &Schedule) -> Vec<Scope> {
+/// The pictures of a model, in the order of the page of a run, without those of signals that its panel shows alone.
+pub fn scopes(schedule: &Schedule, panel: &[PanelItem]) -> Vec<Scope> {
     let book = Book::to_come(&layout(&schedule.recorded).signals);
-    let Ok(shown) = chosen(&book, &[]) else { return Vec::new() };
+    let Ok(mut shown) = chosen(&book, &[]) else { return Vec::new() };
+    let alone = alone(panel);
+    shown.retain(|&at| !alone.contains(&book.traces[at].path.as_str()));
     let mut scopes = Vec::new();
     let mut left = MOST;
     // What is drawn over another signal than time is seen when the run is over.

@@ -169,6 +169,19 @@ impl Page {
         }
     }
 
+    /// Presses a key that writes nothing, such as Home.
+    pub fn press(&mut self, key: &str, code: &str) {
+        let number = match key {
+            "End" => 35,
+            "Home" => 36,
+            _ => 0,
+        };
+        for kind in ["rawKeyDown", "keyUp"] {
+            let event = json!({ "type": kind, "key": key, "code": code, "windowsVirtualKeyCode": number });
+            self.ask("Input.dispatchKeyEvent", event);
+        }
+    }
+
     /// Types text where the focus is, in the place of what is there.
     pub fn replace(&mut self, text: &str) {
         self.value("document.activeElement.select()");

@@ -1,6 +1,8 @@
 //! The studio as a person uses it, and as strangers would like to.
 
+mod analysis;
 mod browser;
+mod panel;
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
