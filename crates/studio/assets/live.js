@@ -172,7 +172,7 @@
     const text = {
       idle: 'Nothing runs. F5 or the button above runs the model.',
       starting: `${model} is compiled …`,
-      running: `${model}: ${R.say(t ?? 0)} of ${R.say(until ?? 0)} s, ${factor ? `${R.say(factor, 3)} times real time` : ''}`,
+      running: `${model}: ${R.say(t ?? 0)} of ${R.say(until ?? 0)} s${factor ? `, ${R.say(factor, 3)} times real time` : ''}`,
       paused: `${model}: paused at ${R.say(t ?? 0)} of ${R.say(until ?? 0)} s`,
       done: `${model}: ${R.say(until ?? 0)} s simulated in ${R.say(state?.took ?? 0, 3)} s. `,
       stopped: `${model}: ended at ${R.say(t ?? 0)} s. `,
@@ -199,7 +199,7 @@
     state = now;
     told();
     Futures.renew(now);
-    if (before !== now.state && before !== undefined) Desk.say(said, now.state === 'failed');
+    if (before !== now.state && before !== undefined) Desk.say(now.state === 'running' ? `${now.model} runs` : said, now.state === 'failed');
   };
 
   const control = (/** @type {any} */ body) => Desk.ask('control', body).catch(Desk.refuse);
