@@ -219,7 +219,7 @@ struct Follow<'s> {
 }
 
 impl<'s> Follow<'s> {
-    /// Along a way that some of its poses are known of.
+    /// Before a way of which some poses were looked at: what comes nearest in these is `least` away, m.
     fn new(check: &'s Check, least: f64) -> Self {
         Follow { check, walk: Walk::down_to(check, least), before: 0.0, first: None, least: None }
     }

@@ -14,7 +14,8 @@
   /** @type {any} */ const place = { slider: null, go: null, mark: null, latest: null, list: null, futures: null };
   /** @type {any} */ let run = null;
 
-  const now = () => run.state()?.t ?? 0;
+  /** How far the run is: rows tell that more often than its state. */
+  const now = () => Math.max(run.state()?.t ?? 0, run.time());
   /** An instant was chosen, by the slider or in a scope. @param {number|null} t */
   const choose = (t) => {
     chosen = t;

@@ -166,22 +166,26 @@
   /** What is missing is null for the plots. @param {Float64Array} values @param {boolean} missing */
   const plain = (values, missing) => missing ? Array.from(values, (x) => Number.isFinite(x) ? x : null) : values;
 
+  /** Time of the last row. */
+  const last = () => rows ? columns[0][rows - 1] : 0;
   const told = () => {
     if (!place.line) return;
-    const { model, t, until, factor, reason, name } = state ?? {};
+    const { model, until, factor, reason, name } = state ?? {};
+    // Rows tell more often than the state how far the run is.
+    const t = Math.max(state?.t ?? 0, last());
     const text = {
       idle: 'Nothing runs. F5 or the button above runs the model.',
       starting: `${model} is compiled …`,
-      running: `${model}: ${R.say(t ?? 0)} of ${R.say(until ?? 0)} s${factor ? `, ${R.say(factor, 3)} times real time` : ''}`,
-      paused: `${model}: paused at ${R.say(t ?? 0)} of ${R.say(until ?? 0)} s`,
+      running: `${model}: ${R.say(t)} of ${R.say(until ?? 0)} s${factor ? `, ${R.say(factor, 3)} times real time` : ''}`,
+      paused: `${model}: paused at ${R.say(t)} of ${R.say(until ?? 0)} s`,
       done: `${model}: ${R.say(until ?? 0)} s simulated in ${R.say(state?.took ?? 0, 3)} s. `,
-      stopped: `${model}: ended at ${R.say(t ?? 0)} s. `,
+      stopped: `${model}: ended at ${R.say(t)} s. `,
       failed: `${model}: ${reason}`,
     }[/** @type {'idle'} */ (state?.state ?? 'idle')];
     said = text ?? '';
     place.line.replaceChildren(said, ...(name ? [R.make('a', { href: `#runs/${encodeURIComponent(name)}` }, 'Results')] : []));
     place.line.classList.toggle('bad', state?.state === 'failed');
-    place.bar.value = until ? Math.min(1, (t ?? 0) / until) : 0;
+    place.bar.value = until ? Math.min(1, t / until) : 0;
     place.bar.hidden = !running();
     place.pause.textContent = state?.state === 'paused' ? '▶ Go on' : '❚❚ Pause';
     for (const one of [place.pause, place.step]) one.disabled = !running();
@@ -251,7 +255,7 @@
     place.extra = R.make('div', { class: 'extra' });
     const past = R.make('div', { class: 'past' });
     view.replaceChildren(place.line, place.bar, R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow), past, place.extra, place.knobs);
-    Futures.build(past, { control, rows: () => rows, time: () => rows ? columns[0][rows - 1] : 0, state: () => state, draws: () => draws, redraw: draw, goesBack: () => ['running', 'paused', 'done', 'failed'].includes(state?.state) });
+    Futures.build(past, { control, rows: () => rows, time: last, state: () => state, draws: () => draws, redraw: draw, goesBack: () => ['running', 'paused', 'done', 'failed'].includes(state?.state) });
     Panel.build(document.getElementById('panel'), { running, set: (/** @type {string} */ set) => control({ do: 'set', set }) });
     told();
     Desk.on('scopes', (/** @type {any} */ data) => { R.guarded('The scopes', () => scopes(data)); });

@@ -133,3 +133,11 @@ fn what_an_element_cannot_do_is_told_with_place_and_remedy() {
         assert!(found.contains(expected), "{element}:\n{found}");
     }
 }
+
+#[test]
+fn a_panel_has_an_end() {
+    let many = |count: usize| vec![r#"Slider("bare.k", "0 .. 9")"#; count].join(", ");
+    assert_eq!(compile_text(&text(&many(100))).0.panel.len(), 100);
+    let found = told(&many(101));
+    assert!(found.contains("a panel has at most 100 elements, this one has 101"), "{found}");
+}

@@ -150,6 +150,7 @@ fn further_signals_are_recorded_as_if_the_diagram_said_so() {
 #[test]
 fn check_tries_how_far_a_panel_can_go() {
     let text = r#"Diagram(
+    parameters: { "idle": 1 },
     simulation: (stop_time: "1 s"),
     panel: [Slider("lag.tau", "0 .. 2 s"), Slider("k.k", "-9 .. 9"), Slider("hold.ts", "1 .. 5 ms"), Switch("k.k", 0, -1)],
     blocks: { "k": Gain(k: -1), "lag": LowPass(tau: "1 s"), "hold": ZeroOrderHold(ts: "2 ms"), "s": Scope(inputs: ["x"]) },
@@ -160,7 +161,9 @@ fn check_tries_how_far_a_panel_can_go() {
     let answer = desk.call(&["check", "model.ron"]);
     assert_eq!(answer.code, Some(0), "{}", answer.err);
     let told = answer.err;
-    assert!(told.contains("warning[panel]: the Slider cannot set `lag.tau=0 s`"), "{told}");
+    // What nothing reads is no reason.
+    assert!(told.contains("nothing reads the parameter `idle`"), "{told}");
+    assert!(told.contains("warning[panel]: the Slider cannot set `lag.tau=0 s`: `tau`"), "{told}");
     for value in ["1", "5"] {
         assert!(
             told.contains(&format!("the Slider cannot set `hold.ts={value} ms`: it makes another model")),

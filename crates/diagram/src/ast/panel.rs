@@ -9,6 +9,9 @@ use super::parse::{Section, unique};
 use crate::problems::{list, mended};
 use blocksim_syntax::{Name, Node, Shape};
 
+/// Most elements of a panel: of each one the model is made anew to try how far it goes.
+const MOST: usize = 100;
+
 /// An element of a panel, as it is written: `Slider("pid.kp", "0 .. 50")`, or `Slider(target: "pid.kp", range: "0 .. 50")`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PanelAst {
@@ -120,7 +123,14 @@ impl Section<'_> {
             self.expected("a list such as `[Slider(\"pid.kp\", \"0 .. 50\")]`", node);
             return Vec::new();
         };
-        items.iter().filter_map(|item| self.element(item)).collect()
+        if let Some(first) = items.get(MOST) {
+            let place = self.place(&first.span);
+            let told = format!("a panel has at most {MOST} elements, this one has {}", items.len());
+            let problem = Problem::error("panel", told).at(&place, "one too many");
+            self.problems
+                .push(problem.help("show what is turned most often; all else can be set by `--change`"));
+        }
+        items.iter().take(MOST).filter_map(|item| self.element(item)).collect()
     }
 
     fn element(&mut self, node: &Node) -> Option<PanelAst> {

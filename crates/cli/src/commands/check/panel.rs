@@ -1,7 +1,7 @@
 //! Whether what a panel turns can be turned as far as it says: each end is tried, as nobody knows before which values a block refuses, or
 //! which make another model.
 
-use blocksim_block::problem::Problem;
+use blocksim_block::problem::{Problem, Severity};
 use blocksim_diagram::{Options, PanelAction, PanelItem, Sources, compile_with};
 use blocksim_sim::untunable;
 
@@ -21,9 +21,13 @@ pub fn warnings(args: &ModelArgs, loaded: &Loaded) -> Vec<Problem> {
         let mut compiled =
             compile_with(&sources, &args.model, &Options { overrides: &all, ..Options::default() });
         let (why, help) = match compiled.schedule.take() {
-            Some(next) => (format!("it makes another model: {}", untunable(now, &next)?), None),
+            Some(next) => {
+                let help = "while a run goes on, parameters may change numbers, not what there is: leave this one out";
+                (format!("it makes another model: {}", untunable(now, &next)?), Some(help.to_owned()))
+            }
             None => {
-                let first = compiled.problems.into_iter().next()?;
+                let first =
+                    compiled.problems.into_iter().find(|problem| problem.severity == Severity::Error)?;
                 (first.message, first.help)
             }
         };

@@ -11,6 +11,8 @@ use crate::running::tuning::When;
 
 /// Numbers of rows that are kept, 256 MB; a run with more of them cannot go back.
 const ROOM: usize = 32 << 20;
+/// Events that are kept; a run with more of them cannot go back either.
+const EVENTS: usize = 1 << 20;
 /// Snapshots that are kept; as soon as there are so many, every second is left.
 const MOMENTS: usize = 64;
 /// Time on the wall between two snapshots.
@@ -23,7 +25,7 @@ pub struct History {
     /// Times and values, row by row.
     rows: Vec<f64>,
     /// What happened.
-    pub events: Vec<EventRow>,
+    events: Vec<EventRow>,
     /// What was set, in the order in which it was.
     changes: Vec<(When, String)>,
     moments: Vec<Moment>,
@@ -117,8 +119,7 @@ impl History {
             return;
         }
         if self.rows.len() + values.len() + 1 > ROOM {
-            self.is_full = true;
-            (self.rows, self.moments) = (Vec::new(), Vec::new());
+            self.give_up();
             return;
         }
         if let Some(again) = &mut self.again {
@@ -134,6 +135,22 @@ impl History {
         self.rows.extend_from_slice(values);
     }
 
+    /// Takes an event.
+    pub fn event(&mut self, t: f64, path: &str, what: &str) {
+        if self.events.len() == EVENTS {
+            self.give_up();
+        }
+        if !self.is_full {
+            self.events.push(EventRow { time: t, path: path.to_owned(), what: what.to_owned() });
+        }
+    }
+
+    /// Keeps nothing any more.
+    fn give_up(&mut self) {
+        self.is_full = true;
+        (self.rows, self.events, self.moments) = (Vec::new(), Vec::new(), Vec::new());
+    }
+
     /// Something was set.
     pub fn changed(&mut self, when: When, set: &str) {
         self.changes.push((when, set.to_owned()));
@@ -144,7 +161,7 @@ impl History {
         if self.is_full {
             let most = ROOM * 8 / 1_000_000;
             return Some(format!(
-                "the rows of this run take more than {most} MB, which are not kept in memory; record fewer signals, or repeat it from the start"
+                "this run has more than {most} MB of rows or {EVENTS} events, which are not kept in memory; record fewer signals, or repeat it from the start"
             ));
         }
         if !(t.is_finite() && t >= 0.0 && t < now) {
@@ -198,5 +215,38 @@ impl History {
     /// The time that was asked for has been reached again. Whether the rows on the way were those of before, to the bit.
     pub fn arrive(&mut self) -> bool {
         !self.again.take().is_some_and(|again| again.differs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_that_are_made_once_more_must_be_those_of_before() {
+        let again = |rows: &[[f64; 2]]| {
+            let known = Again { rows: vec![0.0, 1.0, 0.1, 2.0], seen: 0, differs: false };
+            let mut history = History { again: Some(known), ..History::new(1) };
+            rows.iter().for_each(|[t, value]| history.row(*t, &[*value]));
+            history.arrive()
+        };
+        assert!(again(&[[0.0, 1.0], [0.1, 2.0]]));
+        assert!(again(&[[0.0, 1.0], [0.1, 2.0], [0.2, 7.0]]), "what comes behind is new");
+        assert!(!again(&[[0.0, 1.0], [0.1, 2.0_f64.next_up()]]));
+        assert!(!again(&[[0.0, 1.0], [0.05, 2.0]]), "another time");
+    }
+
+    #[test]
+    fn a_run_with_too_many_events_cannot_go_back() {
+        let mut history = History::new(1);
+        history.row(0.0, &[1.0]);
+        for _ in 0..EVENTS {
+            history.event(0.0, "b", "turns");
+        }
+        assert!(!history.is_full && history.is_due());
+        history.event(0.1, "b", "turns");
+        assert!(history.rows.is_empty() && history.events.is_empty() && !history.is_due());
+        let refused = history.refusal(0.0, 1.0).expect("a reason");
+        assert!(refused.contains("1048576 events"), "{refused}");
     }
 }

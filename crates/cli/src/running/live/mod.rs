@@ -14,7 +14,6 @@ use std::sync::Arc;
 
 use blocksim_block::schedule::Schedule;
 use blocksim_diagram::PanelItem;
-use blocksim_recording::EventRow;
 use blocksim_sim::{Control as Answer, Counts, Observer, SimError, Simulation};
 
 pub use scopes::scopes;
@@ -141,7 +140,7 @@ impl Observer for Live<'_> {
 
     fn event(&mut self, t: f64, path: &str, what: &str) {
         self.recorder.event(t, path, what);
-        self.history.events.push(EventRow { time: t, path: path.to_owned(), what: what.to_owned() });
+        self.history.event(t, path, what);
     }
 
     fn is_waiting(&self, t: f64) -> bool {
