@@ -66,6 +66,7 @@ impl Simulation {
         let values = &mut guards.low;
         let mut contradicted = || {
             diagram.derivatives(t0, &kinks.x, &mut kinks.ahead)?;
+            diagram.minor(t0, &kinks.x)?;
             diagram.guards(values)?;
             let before = values[i];
             kinks.ahead.iter_mut().zip(&kinks.x).for_each(|(x, x0)| *x = x0 + (t - t0) * *x);

@@ -44,7 +44,7 @@ impl Frozen {
             simulation.start(&mut Nobody)?;
         }
         let signals = simulation.diagram.signals.clone();
-        if let Some(tap) = taps.iter().find(|tap| tap.cell >= signals.len()) {
+        if let Some(tap) = taps.iter().find(|tap| tap.cell >= simulation.schedule.initial_signals.len()) {
             let message = format!("there is no signal at cell {}", tap.cell);
             return Err(SimError::new("settings", simulation.t, message));
         }
