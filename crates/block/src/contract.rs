@@ -103,7 +103,8 @@ pub trait Block: Any + Debug + Send + Sync {
     /// Functions whose sign changes are events that the solver must not step over.
     fn guards(&self, _c: &Context, _w: &mut Scratch, _g: &mut [f64]) {}
 
-    /// The next time after `c.t` at which the block changes by itself (Step, Pulse); it is hit exactly.
+    /// The next time after `c.t` at which the block changes by itself (Step, Pulse); it is hit exactly. Where a block reads no input and
+    /// has no state, it is not asked again before that time.
     fn next_event(&self, _c: &Context) -> f64 {
         f64::INFINITY
     }

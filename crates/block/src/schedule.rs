@@ -213,9 +213,37 @@ pub struct Rate {
 impl Clock {
     /// Time of a tick, s. Where a second is a whole number of ticks the time is the nearest number to it.
     pub fn time(&self, tick: u64) -> f64 {
-        let per_second = 1.0 / self.tick;
+        Ticks::new(self.tick).time(tick)
+    }
+}
+
+/// Multiples of a tick, for who needs many of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ticks {
+    /// A second is a whole number of ticks.
+    PerSecond(f64),
+    /// A tick has this length, s.
+    Length(f64),
+}
+
+impl Ticks {
+    /// Ticks of this length, s.
+    pub fn new(length: f64) -> Self {
+        let per_second = 1.0 / length;
         let whole = per_second.round();
-        if (per_second - whole).abs() <= 1e-9 * whole { tick as f64 / whole } else { tick as f64 * self.tick }
+        if (per_second - whole).abs() <= 1e-9 * whole {
+            Ticks::PerSecond(whole)
+        } else {
+            Ticks::Length(length)
+        }
+    }
+
+    /// Time of a tick, s; the nearest number to it where a second is a whole number of ticks.
+    pub fn time(self, tick: u64) -> f64 {
+        match self {
+            Ticks::PerSecond(whole) => tick as f64 / whole,
+            Ticks::Length(length) => tick as f64 * length,
+        }
     }
 }
 

@@ -21,6 +21,7 @@
 
 mod along;
 mod code;
+mod interpreter;
 mod op;
 mod print;
 mod program;

@@ -1,6 +1,6 @@
 //! Instructions and what they compute.
 
-use crate::tape::clamp;
+use crate::interpreter::clamp;
 
 /// The number of an instruction, which is that of the value that it computes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

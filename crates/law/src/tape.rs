@@ -1,9 +1,9 @@
-//! The interpreter: a tape of short instructions over one array of numbers, one `match` an instruction.
+//! Tapes: short instructions over one array of numbers.
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use crate::op::{power, truth};
+use crate::interpreter::{FEW, Steps};
 use crate::passes::Set;
 use crate::{Binary, Id, Op, Relation, Unary};
 
@@ -14,6 +14,8 @@ pub struct Tape {
     words: Vec<Word>,
     /// The instruction that each word came from.
     from: Vec<Id>,
+    /// The words as the interpreter runs them.
+    steps: Steps,
     /// What runs in its place.
     machine: Option<Arc<dyn Machine>>,
 }
@@ -145,6 +147,9 @@ pub struct Met {
 }
 
 impl Tape {
+    /// Number of cells that makes a tape quicker which names none beyond them: what it names need not be compared then.
+    pub const FEW_CELLS: usize = FEW;
+
     /// A tape that computes the `roots` of a program with these instructions. `leaf` says where constants and what comes from
     /// outside lie; cells from `temporaries` on are free for the tape.
     ///
@@ -189,19 +194,21 @@ impl Tape {
         self.machine = Some(machine);
     }
 
+    /// Whether a machine computes what the tape says.
+    pub fn has_machine(&self) -> bool {
+        self.machine.is_some()
+    }
+
     /// Computes everything.
     ///
     /// # Panics
     /// Panics if there are fewer cells or held numbers than the tape was made for.
     #[inline]
     pub fn run(&self, cells: &mut [f64], held: &mut [f64]) -> Met {
-        match &self.machine {
-            None => self.interpret(cells, held),
-            Some(machine) => {
-                let Ran { failed, changed } = machine.run(cells, held);
-                Met { failed: failed.map(|(word, about)| (self.from[word], about)), changed }
-            }
-        }
+        self.met(match &self.machine {
+            None => self.steps.run(cells, held),
+            Some(machine) => machine.run(cells, held),
+        })
     }
 
     /// The same, always by the interpreter.
@@ -209,64 +216,12 @@ impl Tape {
     /// # Panics
     /// Panics if there are fewer cells or held numbers than the tape was made for.
     pub fn interpret(&self, cells: &mut [f64], held: &mut [f64]) -> Met {
-        let mut met = Met::default();
-        for (number, word) in self.words.iter().enumerate() {
-            let r = |cell: u32| cells[cell as usize];
-            let Word { code, to, a, b, c } = *word;
-            let value = match code {
-                Code::Copy => r(a),
-                Code::Load => held[a as usize],
-                Code::Neg => -r(a),
-                Code::Add => r(a) + r(b),
-                Code::Sub => r(a) - r(b),
-                Code::Mul => r(a) * r(b),
-                Code::Div => r(a) / r(b),
-                Code::MulAdd => r(c) + r(a) * r(b),
-                Code::MulSub => r(a) * r(b) - r(c),
-                Code::SubMul => r(c) - r(a) * r(b),
-                Code::Power => power(r(a), b as i32),
-                Code::Clamp => clamp(r(a), r(b), r(c)),
-                Code::Unary(function) => function.of(r(a)),
-                Code::Binary(function) => function.of(r(a), r(b)),
-                Code::Compare(relation) => truth(relation.holds(r(a), r(b))),
-                Code::Not => truth(r(a) == 0.0),
-                Code::And => truth(r(a) != 0.0 && r(b) != 0.0),
-                Code::Or => truth(r(a) != 0.0 || r(b) != 0.0),
-                Code::Select => {
-                    if r(a) != 0.0 {
-                        r(b)
-                    } else {
-                        r(c)
-                    }
-                }
-                Code::Hold => {
-                    let value = r(a);
-                    met.changed |= held[to as usize] != value;
-                    held[to as usize] = value;
-                    continue;
-                }
-                Code::Require => {
-                    if r(a) == 0.0 && met.failed.is_none() {
-                        met.failed = Some((self.from[number], r(b)));
-                    }
-                    continue;
-                }
-            };
-            cells[to as usize] = value;
-        }
-        met
+        self.met(self.steps.run(cells, held))
     }
-}
 
-/// `u` between the limits; what is not a number stays so.
-#[inline]
-pub(crate) fn clamp(u: f64, lower: f64, upper: f64) -> f64 {
-    if u > upper {
-        upper
-    } else if u < lower {
-        lower
-    } else {
-        u
+    #[inline]
+    fn met(&self, Ran { failed, changed }: Ran) -> Met {
+        Met { failed: failed.map(|(word, about)| (self.from[word], about)), changed }
     }
 }
 
@@ -404,6 +359,8 @@ impl<'o> Maker<'o> {
                 Root::Cell(..) | Root::Met(_) => {}
             }
         }
+        let tape = &mut self.made.tape;
+        tape.steps = Steps::new(&tape.words);
         self.made
     }
 

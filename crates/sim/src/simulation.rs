@@ -27,7 +27,7 @@ use crate::stepping::past::Past;
 use crate::{Control, Observer, SimError, diagnose};
 
 /// Steps after which the observer is asked whether to go on.
-const PATIENCE: u32 = 256;
+pub(crate) const PATIENCE: u32 = 256;
 /// Bytes for the words of an event, so that reporting one takes no memory.
 const WORDS: usize = 256;
 /// A relative tolerance where none is given.
@@ -138,6 +138,7 @@ impl Simulation {
     pub fn one_by_one(schedule: Arc<Schedule>) -> Result<Self, SimError> {
         let mut simulation = Self::given(schedule)?;
         let diagram = &mut simulation.diagram;
+        diagram.plan.plain = false;
         diagram.plan.fused = Fused::one_by_one(&diagram.schedule, &diagram.plan);
         diagram.plan.fused.make_room(&mut diagram.signals);
         Ok(simulation)
@@ -255,6 +256,9 @@ impl Simulation {
             }
             self.update()?;
             let stop = self.next_stop(end)?;
+            if self.go_plainly(end, observer)? {
+                continue;
+            }
             let arrival = self.advance(stop, observer)?;
             self.major(arrival, observer)?;
         }

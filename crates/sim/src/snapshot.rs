@@ -65,8 +65,8 @@ impl Simulation {
             started: self.started,
             next_hits: self.hits.next.clone(),
             due: self.hits.due.clone(),
-            next_row: self.rows.grid.as_ref().map_or(0, |grid| grid.next),
-            next_step: self.grid.as_ref().map_or(0, |grid| grid.next),
+            next_row: self.rows.grid.as_ref().map_or(0, |grid| grid.next()),
+            next_step: self.grid.as_ref().map_or(0, |grid| grid.next()),
             guards: self.guards.clone(),
             pace: self.pace.clone(),
             angles: self.angles.rate,
@@ -117,8 +117,8 @@ impl Simulation {
         self.hits.next.clone_from(&snapshot.next_hits);
         self.hits.due.clone_from(&snapshot.due);
         self.hits.tell_times();
-        self.rows.grid.iter_mut().for_each(|grid| grid.next = snapshot.next_row);
-        self.grid.iter_mut().for_each(|grid| grid.next = snapshot.next_step);
+        self.rows.grid.iter_mut().for_each(|grid| grid.go_to(snapshot.next_row));
+        self.grid.iter_mut().for_each(|grid| grid.go_to(snapshot.next_step));
         self.guards.clone_from(&snapshot.guards);
         self.pace.clone_from(&snapshot.pace);
         self.angles.rate = snapshot.angles;

@@ -49,10 +49,10 @@ impl Simulation {
         next.hits.due.clone_from(&self.hits.due);
         next.hits.tell_times();
         if let (Some(to), Some(from)) = (&mut next.rows.grid, &self.rows.grid) {
-            to.next = from.next;
+            to.go_to(from.next());
         }
         if let (Some(to), Some(from)) = (&mut next.grid, &self.grid) {
-            to.next = from.next;
+            to.go_to(from.next());
         }
         next.pace.clone_from(&self.pace);
         next.past.clone_from(&self.past);

@@ -69,7 +69,7 @@ pub use radau::Radau5;
 pub use rodas::Rodas4;
 pub use roots::locate;
 pub use ros34pw2::Ros34pw2;
-pub use runge_kutta::FixedStep;
+pub use runge_kutta::{FixedStep, Weights, add_stages};
 pub use shake::shake;
 pub use stepper::{Counts, Memory, Share, StepError, StepLimits, Stepper, integrate};
 pub use system::{Failed, System, Tolerances};

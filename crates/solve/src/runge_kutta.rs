@@ -22,6 +22,8 @@ pub struct FixedStep {
     x1: Vec<f64>,
     /// Begin, end and size of the last step.
     last: (f64, f64, f64),
+    /// Whether the stages of the last step are known, which the system may have made by itself.
+    are_stages_known: bool,
     counts: Counts,
 }
 
@@ -59,8 +61,14 @@ impl FixedStep {
             x0: vec![0.0; dimension],
             x1: vec![0.0; dimension],
             last: (0.0, 0.0, 0.0),
+            are_stages_known: true,
             counts: Counts::default(),
         }
+    }
+
+    /// What the method says, for a system that makes steps by itself.
+    pub fn weights(&self) -> Weights {
+        Weights { nodes: self.tableau.c, stages: self.tableau.a, result: self.tableau.b }
     }
 
     /// End and size of the step from `t` towards `limit`.
@@ -74,6 +82,19 @@ impl FixedStep {
             (t + self.h, self.h)
         }
     }
+}
+
+/// What an explicit method of Runge and Kutta adds up for a step of size h from x0 at t: the stages
+/// `k[s] = f(t + nodes[s] h, x0 + (h stages[s][0]) k[0] + (h stages[s][1]) k[1] + ...)`, and with `result` the states at its end. Sums
+/// are taken from the left, all products are added, and the time of a node 1 is the end of the step itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weights {
+    /// When each stage is, as a part of the step.
+    pub nodes: &'static [f64],
+    /// Weights of the stages before each one.
+    pub stages: &'static [&'static [f64]],
+    /// Weights of all stages in the states at the end.
+    pub result: &'static [f64],
 }
 
 impl Stepper for FixedStep {
@@ -94,6 +115,15 @@ impl Stepper for FixedStep {
         let (t1, h) = self.plan(*t, limit);
         if t1 <= *t || t1.is_nan() {
             return Err(StepError::Underflow { t: *t, h, state: 0 });
+        }
+        self.are_stages_known = !system.step(*t, t1, h, x);
+        if !self.are_stages_known {
+            self.counts.evaluations += self.tableau.b.len() as u64;
+            self.counts.accepted += 1;
+            self.x1.copy_from_slice(x);
+            self.last = (*t, t1, h);
+            *t = t1;
+            return Ok(());
         }
         self.x0.copy_from_slice(x);
         for (stage, (&c, row)) in self.tableau.c.iter().zip(self.tableau.a).enumerate() {
@@ -121,6 +151,11 @@ impl Stepper for FixedStep {
             x.copy_from_slice(&self.x1);
             return;
         }
+        if !self.are_stages_known {
+            // The system has promised that nobody asks.
+            x.fill(f64::NAN);
+            return;
+        }
         let theta = (t - t0) / h;
         x.copy_from_slice(&self.x0);
         for (d, k) in self.tableau.dense.iter().zip(&self.k) {
@@ -144,34 +179,21 @@ impl Stepper for FixedStep {
     }
 }
 
-/// x1 = x0 + h a1 k1 + h a2 k2 + ..., summed from the left.
-fn add_stages(x1: &mut [f64], x0: &[f64], h: f64, a: &[f64], k: &[Vec<f64>]) {
-    match *a {
-        [] => x1.copy_from_slice(x0),
-        [a] => add(x1, x0, h, [a], k),
-        [a, b] => add(x1, x0, h, [a, b], k),
-        [a, b, c] => add(x1, x0, h, [a, b, c], k),
-        [a, b, c, d] => add(x1, x0, h, [a, b, c, d], k),
-        [a, b, c, d, ref rest @ ..] => {
-            add(x1, x0, h, [a, b, c, d], k);
-            for (a, k) in rest.iter().zip(&k[4..]) {
-                let a = h * a;
-                x1.iter_mut().zip(k).for_each(|(x1, k)| *x1 += a * k);
-            }
+/// x1 = x0 + (h a1) k1 + (h a2) k2 + ..., summed from the left: a row of [`Weights`] for a step of size `h`. All slices are as long as
+/// there are states.
+pub fn add_stages(x1: &mut [f64], x0: &[f64], h: f64, a: &[f64], k: &[Vec<f64>]) {
+    // Four states go abreast. Most systems have few, and a loop over them for each stage would cost more than its sums.
+    let (fours, rest) = x1.as_chunks_mut::<4>();
+    let first = 4 * fours.len();
+    for (i, (x1, x0)) in fours.iter_mut().zip(x0.as_chunks::<4>().0).enumerate() {
+        let mut sums = *x0;
+        for (a, k) in a.iter().zip(k) {
+            let (weight, k) = (h * a, &k.as_chunks::<4>().0[i]);
+            sums.iter_mut().zip(k).for_each(|(sum, k)| *sum += weight * k);
         }
+        *x1 = sums;
     }
-}
-
-/// The sum over M stages, unrolled: most systems have few states, and a loop for each stage would cost more than its sums.
-#[inline(always)]
-fn add<const M: usize>(x1: &mut [f64], x0: &[f64], h: f64, a: [f64; M], k: &[Vec<f64>]) {
-    let a = a.map(|a| h * a);
-    let k: [&[f64]; M] = std::array::from_fn(|stage| &k[stage][..x0.len()]);
-    for (i, (x1, x0)) in x1.iter_mut().zip(x0).enumerate() {
-        let mut sum = *x0;
-        for stage in 0..M {
-            sum += a[stage] * k[stage][i];
-        }
-        *x1 = sum;
+    for (i, x1) in rest.iter_mut().enumerate() {
+        *x1 = a.iter().zip(k).fold(x0[first + i], |sum, (a, k)| sum + h * a * k[first + i]);
     }
 }

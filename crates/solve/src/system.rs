@@ -11,12 +11,20 @@ pub trait System {
     /// Writes f(t, x) to `dx`. Both slices have length n.
     ///
     /// A value that is not finite, or a failure, at a trial point rejects the trial step, which is repeated with a smaller
-    /// one: the point need not be one of the solution.
+    /// one: the point need not be one of the solution. Of what else belongs to the point, as the signals of a diagram, the system need not
+    /// know anything afterwards.
     ///
     /// # Errors
     /// [`Failed`] ends the integration where it happens at the start of a step, or at trial points however near to it;
     /// the system keeps the details of the last one.
     fn derivatives(&mut self, t: f64, x: &[f64], dx: &mut [f64]) -> Result<(), Failed>;
+
+    /// Makes the step of a method of fixed step from (`t`, `x`) to `t1`, whose size is `h`, to the bit as the method makes it, and returns
+    /// true; or leaves it to the method. A system that knows no method by which it is integrated, see [`Weights`](crate::Weights), leaves
+    /// all of them. What lies within a step that it has made nobody can ask for, and `x` has been finite at all stages.
+    fn step(&mut self, _t: f64, _t1: f64, _h: f64, _x: &mut [f64]) -> bool {
+        false
+    }
 
     /// Of each state, the derivatives that may depend on it, by number, wherever the system is evaluated; nothing where that is not
     /// known. Asked for once by methods that need a Jacobian: one evaluation then tells the slopes of all states that act on

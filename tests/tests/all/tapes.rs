@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::law::{Machine, Ran};
-use blocksim_block::schedule::{Schedule, Start, When};
+use blocksim_block::schedule::{FixedMethod, Schedule, Solver, Start, When};
 use blocksim_host::machines;
 use blocksim_sim::{Counts, Observer, SimError, Simulation};
 use blocksim_tests::random::{Circuit, Mechanisms, Puzzle, Sampled, Shafts, Signals, Variant};
@@ -91,6 +91,33 @@ fn random_models_give_the_bits_of_single_calls() {
     assert!(laws > 300, "only {laws} blocks have laws");
 }
 
+/// The same model with a method of fixed step, of about a thousand steps.
+fn fixed(mut schedule: Schedule, method: FixedMethod) -> Schedule {
+    let step = schedule.settings.stop_time.min(LONGEST) / 999.7;
+    schedule.settings.solver = Solver::Fixed { method, step };
+    schedule
+}
+
+/// Steps of a fixed size at which nothing is due are made by the diagram itself, and only what somebody asks for is evaluated there.
+#[test]
+fn steps_of_a_fixed_size_give_the_bits_of_single_calls() {
+    let paths = [diagrams_below("diagrams"), diagrams_below("docs/blocks")].concat();
+    let files = paths.into_iter().filter_map(|path| {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        Some((name.clone(), compile_file(&name, &[]).0.schedule?))
+    });
+    let random = (1..81).flat_map(|seed| {
+        let texts = [Signals::of(seed).text(&Variant::plain()), Sampled::of(seed).text(&Variant::plain())];
+        texts.map(|text| (format!("random {seed}"), compile_text(&text).0.schedule.expect("a model")))
+    });
+    let methods = [FixedMethod::Ode4, FixedMethod::Ode1, FixedMethod::Ode5, FixedMethod::Ode3];
+    let mut wrong = Vec::new();
+    for ((name, schedule), method) in files.chain(random).zip(methods.into_iter().cycle()) {
+        agree(&format!("{name} by {method:?}"), fixed(schedule, method), &mut wrong);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// The same model, in which all that may change between major steps is evaluated at every stage of the solver, every condition is
 /// watched, and what is constant is evaluated at each major step, unless that alone made steps major.
 fn by_no_need(mut schedule: Schedule) -> Schedule {
@@ -156,7 +183,9 @@ fn machine_code_gives_the_bits_of_the_interpreter() {
     });
     let random = (1..21).flat_map(|seed| {
         let texts = [Signals::of(seed).text(&Variant::plain()), Sampled::of(seed).text(&Variant::plain())];
-        texts.map(|text| (compile_text(&text).0.schedule.expect("a model"), format!("random {seed}")))
+        let models = texts.map(|text| compile_text(&text).0.schedule.expect("a model"));
+        let of_fixed_step = models.clone().map(|model| fixed(model, FixedMethod::Ode4));
+        models.into_iter().chain(of_fixed_step).map(move |model| (model, format!("random {seed}")))
     });
     let mut models: Vec<_> = examples
         .chain(random)

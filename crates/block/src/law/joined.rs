@@ -19,7 +19,7 @@ pub struct Draft {
 
 impl Draft {
     /// A program whose outputs are wanted anywhere, without what is there twice.
-    fn of(program: &Program) -> Self {
+    pub fn of(program: &Program) -> Self {
         let program = program.optimised();
         let values = program.outputs.iter().map(|(_, id)| Root::Anywhere(*id));
         let met = program.requirements.iter().map(|id| Root::Met(*id));
@@ -133,9 +133,8 @@ impl Joined {
     }
 
     /// The rates of values that are wanted anywhere, along a direction in the space of the states, which stands for parameters.
-    pub fn rates(mut self) -> Draft {
-        self.roots.retain(|root| matches!(root, Root::Anywhere(_)));
-        let Draft { program, .. } = self.finish();
+    pub fn rates(self) -> Draft {
+        let Draft { program, .. } = self.finish_values();
         let program = blocksim_law::rates(&program, &|op| match op {
             Op::State(i) => Some(Op::Parameter(i)),
             _ => None,
@@ -181,6 +180,12 @@ impl Joined {
         self.program.outputs = written.collect::<Option<_>>()?;
         self.program.requirements.clear();
         Some(self.program.optimised())
+    }
+
+    /// The program of the values that are wanted anywhere, which writes no signal; what signals require is required all the same.
+    pub fn finish_values(mut self) -> Draft {
+        self.roots.retain(|root| matches!(root, Root::Anywhere(_)));
+        self.finish()
     }
 
     /// The program without what is there twice, and what is wanted of it.

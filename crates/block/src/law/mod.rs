@@ -7,7 +7,7 @@ mod recording;
 
 pub use block_law::{BlockLaw, ValueGroup};
 pub use blocksim_law::{
-    Binary, Domain, Failure, Id, Machine, Op, Program, Ran, Root, Tape, Unary, Word, WordCode,
+    Binary, Domain, Failure, Id, Instruction, Machine, Op, Program, Ran, Root, Tape, Unary, Word, WordCode,
 };
 pub use joined::{Draft, Joined, Placed};
 pub use reads::Reads;

@@ -12,7 +12,9 @@ use blocksim_law::passes::Map;
 use blocksim_law::{Id, Leaf, Met, Op, Program, Tape};
 
 use crate::evaluation::loops::{self, Form};
+use crate::program::direct::Direct;
 use crate::program::plan::{Call, Plan, Settles, Unit};
+use crate::program::whole::{SIZES, Whole};
 
 /// The tapes of a diagram.
 #[derive(Debug, Default)]
@@ -21,13 +23,19 @@ pub(crate) struct Fused {
     pub continuous: Vec<Part>,
     pub minor: Vec<Part>,
     pub rows: Vec<Part>,
+    /// The part of the major pass that plain steps need, where that is less; see `plain.rs`.
+    pub plain: Option<Tape>,
     pub derivatives: Gathered,
     pub guards: Gathered,
+    /// Derivatives, and guards where anybody looks, without the signals between, where all that these depend on is data.
+    pub direct: Option<Direct>,
+    /// How steps of a method of fixed step are made.
+    pub whole: Option<Whole>,
     /// Exact slopes of the derivatives, where all that these depend on is data.
     pub slopes: Option<Slopes>,
     /// The algebraic loops, where all of their blocks record their laws.
     pub loops: Vec<Option<LoopTapes>>,
-    layout: Layout,
+    pub layout: Layout,
 }
 
 /// A part of a pass.
@@ -80,10 +88,10 @@ pub(crate) struct LoopTapes {
 
 /// Where tapes find what is no signal: behind the signals, among whose cells they work.
 #[derive(Debug, Default)]
-struct Layout {
+pub(crate) struct Layout {
     states: usize,
     time: usize,
-    /// A direction in the space of the states.
+    /// A direction in the space of the states, or the sizes of a step.
     direction: usize,
     constants: Map<u64, u32>,
     /// First cell that is free for what a tape computes on its way.
@@ -115,12 +123,16 @@ impl Fused {
             ..Self::default()
         };
         let (derivatives, guards, slopes) = (laws.derivatives(), laws.guards(), laws.slopes());
+        let (direct, plain) = (laws.direct(), laws.plain());
+        let whole = direct.as_ref().and_then(|direct| laws.whole(direct));
         // Where anything lies depends on the constants of all.
         let gathered = [&derivatives.0, &guards.0].into_iter().chain(&slopes);
         let rings: Vec<Option<loops::Drafts>> =
             schedule.loops.iter().map(|found| loops::Drafts::new(schedule, found)).collect();
         let of_rings = rings.iter().flatten().flat_map(|ring| [&ring.values, &ring.slopes]);
-        let all = drafts.iter().chain(gathered).chain(of_rings).map(|draft| &draft.program);
+        let of_steps = direct.iter().map(|direct| &direct.draft).chain(&plain);
+        let of_steps = of_steps.chain(whole.iter().map(|whole| &whole.draft));
+        let all = drafts.iter().chain(gathered).chain(of_steps).chain(of_rings).map(|draft| &draft.program);
         let mut layout = Layout::new(schedule, all);
         let lists = [&mut fused.major, &mut fused.continuous, &mut fused.minor, &mut fused.rows];
         lists
@@ -131,6 +143,15 @@ impl Fused {
             .for_each(|(tape, draft)| *tape = layout.made(draft).0);
         fused.derivatives = layout.gathered(derivatives);
         fused.guards = layout.gathered(guards);
+        fused.plain = plain.map(|draft| layout.made(&draft).0);
+        fused.whole = whole.map(|whole| {
+            let (tape, ends) = layout.made(&whole.draft);
+            Whole::new(tape, ends, layout.direction, &whole)
+        });
+        fused.direct = direct.map(|direct| {
+            let (tape, cells) = layout.made(&direct.draft);
+            Direct::new(tape, &cells, &direct)
+        });
         fused.slopes = slopes.map(|draft| {
             let to = (0..schedule.states as u32).collect();
             Slopes { rates: layout.gathered((draft, to, Vec::new())), direction: layout.direction }
@@ -157,6 +178,9 @@ impl Fused {
             rows: plan.rows.as_deref().map(all).unwrap_or_default(),
             derivatives: called(&plan.with_states),
             guards: called(&plan.guarded),
+            plain: None,
+            direct: None,
+            whole: None,
             slopes,
             loops,
             layout,
@@ -166,27 +190,44 @@ impl Fused {
     /// All tapes.
     pub fn tapes(&self) -> impl Iterator<Item = &Tape> {
         let parts = [&self.major, &self.continuous, &self.minor, &self.rows].into_iter().flatten();
+        let steps = self.direct.iter().map(Direct::tape).chain(&self.plain);
+        let steps = steps.chain(self.whole.iter().map(|whole| &whole.tape));
         let slopes = self.slopes.iter().map(|slopes| &slopes.rates.tape);
         let loops = self.loops.iter().flatten();
         let loops = loops.flat_map(|ring| ring.values.iter().chain([&ring.slopes.tape]));
         let gathered = [&self.derivatives.tape, &self.guards.tape];
-        parts.filter_map(Part::tape).chain(gathered).chain(slopes).chain(loops)
+        parts.filter_map(Part::tape).chain(gathered).chain(steps).chain(slopes).chain(loops)
     }
 
     /// All tapes, for what is to run in their place.
     pub fn tapes_mut(&mut self) -> impl Iterator<Item = &mut Tape> {
-        let Self { major, continuous, minor, rows, derivatives, guards, slopes, loops, .. } = self;
+        let Self {
+            major,
+            continuous,
+            minor,
+            rows,
+            plain,
+            derivatives,
+            guards,
+            direct,
+            whole,
+            slopes,
+            loops,
+            ..
+        } = self;
         let parts = [major, continuous, minor, rows].into_iter().flatten();
+        let steps = direct.iter_mut().map(Direct::tape_mut).chain(plain);
+        let steps = steps.chain(whole.iter_mut().map(|whole| &mut whole.tape));
         let slopes = slopes.iter_mut().map(|slopes| &mut slopes.rates.tape);
         let loops = loops.iter_mut().flatten();
         let loops = loops.flat_map(|ring| ring.values.iter_mut().chain([&mut ring.slopes.tape]));
         let gathered = [&mut derivatives.tape, &mut guards.tape];
-        parts.filter_map(Part::tape_mut).chain(gathered).chain(slopes).chain(loops)
+        parts.filter_map(Part::tape_mut).chain(gathered).chain(steps).chain(slopes).chain(loops)
     }
 
     /// Makes room for the tapes behind the signals, and puts constants there.
     pub fn make_room(&self, signals: &mut Vec<f64>) {
-        signals.resize(self.layout.end as usize, 0.0);
+        signals.resize((self.layout.end as usize).max(Tape::FEW_CELLS), 0.0);
         for (bits, cell) in &self.layout.constants {
             signals[*cell as usize] = f64::from_bits(*bits);
         }
@@ -195,9 +236,7 @@ impl Fused {
     /// Puts time and states where tapes find them.
     #[inline]
     pub fn place(&self, t: f64, x: &[f64], signals: &mut [f64]) {
-        let Layout { states, time, .. } = self.layout;
-        signals[states..states + x.len()].copy_from_slice(x);
-        signals[time] = t;
+        self.layout.place(t, x, signals);
     }
 }
 
@@ -243,7 +282,7 @@ impl Layout {
         let time = states + schedule.states;
         let direction = time + 1;
         let unknowns = schedule.loops.iter().map(|found| found.cells.len()).max();
-        let first = direction + schedule.states.max(unknowns.unwrap_or(0));
+        let first = direction + schedule.states.max(unknowns.unwrap_or(0)).max(SIZES);
         let mut layout = Self { states, time, direction, ..Self::default() };
         for instruction in programs.flat_map(|program| &program.instructions) {
             if let Op::Constant(bits) = instruction.op {
@@ -254,6 +293,13 @@ impl Layout {
         layout.temporaries = (first + layout.constants.len()) as u32;
         layout.end = layout.temporaries;
         layout
+    }
+
+    /// Puts time and states where tapes find them.
+    #[inline]
+    pub fn place(&self, t: f64, x: &[f64], signals: &mut [f64]) {
+        signals[self.states..self.states + x.len()].copy_from_slice(x);
+        signals[self.time] = t;
     }
 
     /// The tape of a program, and where it leaves what it does not bring anywhere.
@@ -295,8 +341,8 @@ pub(crate) type Stretch = (Range<usize>, Option<(Draft, When)>);
 
 /// The laws of the blocks of a plan.
 pub(crate) struct Laws<'p> {
-    schedule: &'p Schedule,
-    plan: &'p Plan,
+    pub schedule: &'p Schedule,
+    pub plan: &'p Plan,
     /// Calls of a major pass that belong to algebraic loops.
     in_ring: Vec<bool>,
 }
@@ -340,6 +386,11 @@ impl<'p> Laws<'p> {
     /// The rates of all derivatives along a direction of the states; nothing unless all that derivatives depend on between major
     /// steps is data.
     pub fn slopes(&self) -> Option<Draft> {
+        self.joined_derivatives().map(Joined::rates)
+    }
+
+    /// The minor pass and the derivatives of all states as one, if there are any and all of it is data.
+    pub fn joined_derivatives(&self) -> Option<Joined> {
         let plan = self.plan;
         let are_laws = plan.with_states.iter().all(|block| self.law(*block).is_some())
             && plan.minor.iter().all(|call| self.is_recorded(call, false));
@@ -355,21 +406,21 @@ impl<'p> Laws<'p> {
             let law = self.law(block)?;
             joined.values(self.placed(block, law), &law.derivatives);
         }
-        Some(joined.rates())
+        Some(joined)
     }
 
-    fn law(&self, block: usize) -> Option<&'p BlockLaw> {
+    pub fn law(&self, block: usize) -> Option<&'p BlockLaw> {
         self.schedule.blocks[block].law.as_deref()
     }
 
     /// Whether all that a pass wants of a call is recorded.
-    fn is_recorded(&self, call: &Call, major: bool) -> bool {
+    pub fn is_recorded(&self, call: &Call, major: bool) -> bool {
         let law = self.law(call.block as usize);
         law.is_some() && !(major && call.settles == Settles::First)
     }
 
     /// Calls that follow each other. In a major pass modes are chosen before the outputs.
-    fn pass(&self, calls: &[Call], major: bool) -> Draft {
+    pub fn pass<'c>(&self, calls: impl IntoIterator<Item = &'c Call>, major: bool) -> Draft {
         let mut joined = Joined::default();
         for call in calls {
             let Some(law) = self.law(call.block as usize) else { continue };
@@ -379,7 +430,7 @@ impl<'p> Laws<'p> {
         joined.finish()
     }
 
-    fn placed(&self, block: usize, law: &'p BlockLaw) -> Placed<'p> {
+    pub fn placed(&self, block: usize, law: &'p BlockLaw) -> Placed<'p> {
         Placed::new(law, block, &self.schedule.blocks[block])
     }
 

@@ -10,6 +10,7 @@ use blocksim_block::{Block, Interface, Scratch};
 use crate::program::fused::Fused;
 use crate::program::graph::Graph;
 use crate::stepping::early::Early;
+use crate::stepping::plain::are_plain;
 
 /// A range of indices in half the space.
 #[derive(Debug, Clone, Copy)]
@@ -154,6 +155,8 @@ pub(crate) struct Plan {
     pub stepwise: bool,
     /// Whether each accepted step must be a major one.
     pub every_step: bool,
+    /// Whether steps may be plain, see `stepping/plain.rs`.
+    pub plain: bool,
     /// Most input values, and most discrete states, of one block.
     pub widest: (usize, usize),
     /// The passes with laws that are data.
@@ -215,6 +218,7 @@ impl Plan {
             updated,
             stepwise: major.iter().any(|call| call.when == When::Major),
             every_step: false,
+            plain: false,
             widest: widest(&units),
             fused: Fused::default(),
             units,
@@ -225,6 +229,7 @@ impl Plan {
         let settles = plan.settling.iter().any(|(_, rate)| rate.is_none())
             || plan.major.iter().any(|call| call.settles != Settles::Nothing && !call.rests());
         plan.every_step = settles || plan.stepwise || !plan.jumping.is_empty() || !plan.accepting.is_empty();
+        plan.plain = are_plain(schedule, &plan);
         plan.fused = Fused::new(schedule, &plan);
         plan
     }
@@ -249,7 +254,7 @@ impl Plan {
 type Layouts = BTreeMap<Vec<(u32, u32)>, Arc<[(u32, u32)]>>;
 
 /// Part of the calls above which it does not matter that others are not needed for rows.
-const NEARLY_ALL: f64 = 0.75;
+pub(crate) const NEARLY_ALL: f64 = 0.75;
 
 /// The calls that rows between major steps need. Loops are solved as a whole, with all that is around them.
 fn rows(schedule: &Schedule, continuous: &[Call]) -> Option<Vec<Call>> {

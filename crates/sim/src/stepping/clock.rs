@@ -1,6 +1,6 @@
 //! Sample hits on the integer clock, the grid of fixed steps, and times that are meant to be equal.
 
-use blocksim_block::schedule::Clock;
+use blocksim_block::schedule::{Clock, Ticks};
 
 /// Times closer to `t` than this are the same time: a sum of periods and the product of the same are.
 pub(crate) fn same(t: f64) -> f64 {
@@ -61,26 +61,39 @@ impl Hits {
 /// Multiples of a step, as exact as those of a clock.
 #[derive(Debug, Clone)]
 pub(crate) struct Grid {
-    clock: Clock,
+    ticks: Ticks,
     /// Number of the first point that has not been passed.
-    pub next: u64,
+    next: u64,
+    /// Its time, s.
+    time: f64,
 }
 
 impl Grid {
     pub fn new(step: f64) -> Self {
-        Self { clock: Clock { tick: step, rates: Vec::new() }, next: 0 }
+        let ticks = Ticks::new(step);
+        Self { ticks, next: 0, time: ticks.time(0) }
+    }
+
+    /// Number of the first point that has not been passed.
+    pub fn next(&self) -> u64 {
+        self.next
+    }
+
+    /// Has `next` be the first point that has not been passed.
+    pub fn go_to(&mut self, next: u64) {
+        (self.next, self.time) = (next, self.ticks.time(next));
     }
 
     /// Time of the first point that has not been passed, s.
     pub fn time(&self) -> f64 {
-        self.clock.time(self.next)
+        self.time
     }
 
     /// Passes all points up to and including `t`; returns whether there was one.
     pub fn pass(&mut self, t: f64) -> bool {
         let before = self.next;
-        while self.time() <= t + same(t) {
-            self.next += 1;
+        while self.time <= t + same(t) {
+            self.go_to(self.next + 1);
         }
         self.next > before
     }

@@ -4,7 +4,7 @@ use blocksim_block::Interface;
 use blocksim_block::schedule::{FixedMethod, LATEST, OutputTimes, Schedule, Solver, VariableMethod};
 use blocksim_solve::{
     Auto, Dop853, FixedStep, Ode15s, Ode23, Ode23t, Ode23tb, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits,
-    Stepper, Tolerances,
+    Stepper, Tolerances, Weights,
 };
 
 use crate::SimError;
@@ -14,7 +14,7 @@ use crate::SimError;
 pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
     let n = schedule.states;
     (n > 0).then(|| match schedule.settings.solver {
-        Solver::Fixed { method, step } => fixed(method, n, step),
+        Solver::Fixed { method, step } => Box::new(fixed(method, n, step)),
         Solver::Variable { method, rtol, atol, .. } => {
             let limits = StepLimits { max: longest(schedule), ..StepLimits::default() };
             let mut tolerances = match atol {
@@ -34,14 +34,20 @@ pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
     })
 }
 
-fn fixed(method: FixedMethod, n: usize, step: f64) -> Box<dyn Stepper> {
-    Box::new(match method {
+fn fixed(method: FixedMethod, n: usize, step: f64) -> FixedStep {
+    match method {
         FixedMethod::Ode1 => FixedStep::ode1(n, step),
         FixedMethod::Ode2 => FixedStep::ode2(n, step),
         FixedMethod::Ode3 => FixedStep::ode3(n, step),
         FixedMethod::Ode4 => FixedStep::ode4(n, step),
         FixedMethod::Ode5 => FixedStep::ode5(n, step),
-    })
+    }
+}
+
+/// What a method of fixed step says.
+pub(crate) fn weights(solver: Solver) -> Option<Weights> {
+    let Solver::Fixed { method, step } = solver else { return None };
+    Some(fixed(method, 0, step).weights())
 }
 
 fn variable(method: VariableMethod, tolerances: Tolerances, limits: StepLimits) -> Box<dyn Stepper> {

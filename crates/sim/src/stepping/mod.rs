@@ -7,3 +7,4 @@ pub(crate) mod early;
 pub(crate) mod major;
 pub(crate) mod methods;
 pub(crate) mod past;
+pub(crate) mod plain;

@@ -1,0 +1,83 @@
+//! Steps at which nothing is due but their own end: no sample is hit, no time event comes, no guard is watched, nobody remembers.
+//! Of all that [`advance`](Simulation::advance) looks at nothing can be there, so the step is made and the instant at its end
+//! evaluated, as far as somebody asks for it, and no more.
+
+use blocksim_block::schedule::{Schedule, Solver};
+
+use crate::program::plan::Plan;
+use crate::simulation::PATIENCE;
+use crate::stepping::clock::same;
+use crate::stepping::major::Arrival;
+use crate::{Observer, SimError, Simulation, diagnose};
+
+/// Whether steps of a diagram may be plain: nobody looks between their ends, and what is due next is known beforehand.
+pub(crate) fn are_plain(schedule: &Schedule, plan: &Plan) -> bool {
+    let is_fixed = matches!(schedule.settings.solver, Solver::Fixed { .. });
+    let acting = [&plan.remembering, &plan.accepting, &plan.holding, &plan.jumping, &plan.subdividing];
+    // Who reads nothing has no other plans for the time until its event than before, unless its discrete states change.
+    let is_set = |block: &usize| {
+        let block = &schedule.blocks[*block];
+        block.gather.is_empty() && block.interface.states.is_empty()
+    };
+    is_fixed && schedule.states > 0 && acting.into_iter().all(Vec::is_empty) && plan.timed.iter().all(is_set)
+}
+
+impl Simulation {
+    /// Goes on as long as steps are plain, until the observer is to be asked at the latest. Events that are due, and hits, must be
+    /// known as of the present instant, and their updates done. Returns whether there was any such step.
+    pub(crate) fn go_plainly(&mut self, end: f64, observer: &mut dyn Observer) -> Result<bool, SimError> {
+        let Some(grid) = self.grid.as_ref().filter(|_| self.diagram.plan.plain) else { return Ok(false) };
+        let mut next = grid.time();
+        let due = self.hits.times().iter().chain(&self.event_times).copied().fold(end, f64::min);
+        let since = self.t;
+        // What is meant to be one instant is left to those who know how.
+        while next + same(next) < due {
+            self.step(next)?;
+            let is_major = self.t >= next || self.diagram.plan.every_step || self.rows.grid.is_none();
+            self.record_within(if is_major { self.t - same(self.t) } else { self.t }, observer)?;
+            self.sizes.note(&self.x);
+            if is_major {
+                self.plain_instant(observer)?;
+            }
+            let is_over = self.diagram.settle.changed || self.diagram.now.fault.ends();
+            if is_over || self.unasked >= PATIENCE || observer.is_waiting(self.t) {
+                break;
+            }
+            self.unasked += 1;
+            next = self.grid.as_ref().map_or(due, |grid| grid.time());
+        }
+        if self.t > since {
+            // Whoever is next may ask for everything.
+            self.complete()?;
+        }
+        Ok(self.t > since)
+    }
+
+    /// A major step at which nothing is due.
+    fn plain_instant(&mut self, observer: &mut dyn Observer) -> Result<(), SimError> {
+        self.diagram.settle.changed = false;
+        let passed = self.diagram.pass_plainly(self.t, &self.x);
+        if !self.held(passed)? {
+            return self.major(Arrival::default(), observer);
+        }
+        self.majors += 1;
+        self.hits.due.fill(false);
+        let finite = self.rows.take(&self.diagram.signals) && self.x.iter().all(|x| x.is_finite());
+        if !finite {
+            self.complete()?;
+            return Err(diagnose::not_finite(&self.schedule, &self.diagram, &self.x));
+        }
+        self.report_modes(false, observer);
+        if self.rows.are_due(self.t) {
+            observer.row(self.t, &self.rows.values);
+        }
+        self.grid.iter_mut().for_each(|grid| _ = grid.pass(self.t));
+        Ok(())
+    }
+
+    /// Evaluates the signals that plain steps have left out.
+    fn complete(&mut self) -> Result<(), SimError> {
+        let evaluated = self.diagram.continuous(self.t, &self.x);
+        self.held(evaluated)
+    }
+}
