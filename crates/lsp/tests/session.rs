@@ -1,5 +1,7 @@
 //! An editor that opens files, types, asks.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
@@ -40,6 +42,8 @@ struct Editor {
     connection: Connection,
     server: Option<JoinHandle<()>>,
     requests: i32,
+    /// Number of the last text of each file.
+    versions: RefCell<BTreeMap<String, i32>>,
 }
 
 impl Editor {
@@ -53,7 +57,8 @@ impl Editor {
         let server = std::thread::spawn(move || {
             Server::new(str::to_owned, Box::new(blocksim_block::NoCode)).run(&other).unwrap()
         });
-        let mut editor = Editor { folder, connection, server: Some(server), requests: 0 };
+        let mut editor =
+            Editor { folder, connection, server: Some(server), requests: 0, versions: RefCell::default() };
         let snippets =
             json!({ "textDocument": { "completion": { "completionItem": { "snippetSupport": true } } } });
         let answer = editor.ask("initialize", json!({ "capabilities": snippets }));
@@ -70,8 +75,17 @@ impl Editor {
         self.connection.sender.send(Notification::new(method.to_owned(), params).into()).unwrap();
     }
 
+    /// The number of a text of a file that is about to be sent.
+    fn next_version(&self, name: &str) -> i32 {
+        let mut versions = self.versions.borrow_mut();
+        let version = versions.entry(name.to_owned()).or_default();
+        *version += 1;
+        *version
+    }
+
     fn open(&self, name: &str, text: &str) {
-        let item = json!({ "uri": self.uri(name), "languageId": "ron", "version": 1, "text": text });
+        let version = self.next_version(name);
+        let item = json!({ "uri": self.uri(name), "languageId": "ron", "version": version, "text": text });
         self.say("textDocument/didOpen", json!({ "textDocument": item }));
     }
 
@@ -79,24 +93,30 @@ impl Editor {
     fn type_at(&self, name: &str, from: (usize, usize), to: (usize, usize), new: &str) {
         let place = |(line, character): (usize, usize)| json!({ "line": line, "character": character });
         let range = json!({ "start": place(from), "end": place(to) });
-        let item = json!({ "uri": self.uri(name), "version": 3 });
+        let item = json!({ "uri": self.uri(name), "version": self.next_version(name) });
         let changes = json!([{ "range": range, "text": new }]);
         self.say("textDocument/didChange", json!({ "textDocument": item, "contentChanges": changes }));
     }
 
     fn change(&self, name: &str, text: &str) {
-        let item = json!({ "uri": self.uri(name), "version": 2 });
+        let item = json!({ "uri": self.uri(name), "version": self.next_version(name) });
         self.say(
             "textDocument/didChange",
             json!({ "textDocument": item, "contentChanges": [{ "text": text }] }),
         );
     }
 
-    /// The next problems of a file.
+    /// The next problems of the last text of a file; those of earlier ones may still come before them.
     fn problems(&self, name: &str) -> Vec<Value> {
         loop {
             let Message::Notification(message) = self.connection.receiver.recv().unwrap() else { continue };
-            if message.method == "textDocument/publishDiagnostics" && message.params["uri"] == self.uri(name)
+            let is_of_last = || {
+                let last = self.versions.borrow().get(name).copied();
+                message.params["version"].is_null() || message.params["version"] == json!(last)
+            };
+            if message.method == "textDocument/publishDiagnostics"
+                && message.params["uri"] == self.uri(name)
+                && is_of_last()
             {
                 return message.params["diagnostics"].as_array().unwrap().clone();
             }

@@ -120,7 +120,6 @@ impl Stepper for FixedStep {
         if !self.are_stages_known {
             self.counts.evaluations += self.tableau.b.len() as u64;
             self.counts.accepted += 1;
-            self.x1.copy_from_slice(x);
             self.last = (*t, t1, h);
             *t = t1;
             return Ok(());
@@ -147,13 +146,13 @@ impl Stepper for FixedStep {
 
     fn interpolate(&self, t: f64, x: &mut [f64]) {
         let (t0, t1, h) = self.last;
-        if t == t1 {
-            x.copy_from_slice(&self.x1);
-            return;
-        }
         if !self.are_stages_known {
             // The system has promised that nobody asks.
             x.fill(f64::NAN);
+            return;
+        }
+        if t == t1 {
+            x.copy_from_slice(&self.x1);
             return;
         }
         let theta = (t - t0) / h;

@@ -298,8 +298,16 @@ impl Layout {
     /// Puts time and states where tapes find them.
     #[inline]
     pub fn place(&self, t: f64, x: &[f64], signals: &mut [f64]) {
-        signals[self.states..self.states + x.len()].copy_from_slice(x);
-        signals[self.time] = t;
+        let (time, states) = self.point(signals);
+        states.copy_from_slice(x);
+        *time = t;
+    }
+
+    /// Where tapes find time and states.
+    #[inline]
+    pub fn point<'s>(&self, signals: &'s mut [f64]) -> (&'s mut f64, &'s mut [f64]) {
+        let (states, time) = signals[self.states..=self.time].split_at_mut(self.time - self.states);
+        (&mut time[0], states)
     }
 
     /// The tape of a program, and where it leaves what it does not bring anywhere.

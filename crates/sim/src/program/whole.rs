@@ -160,8 +160,9 @@ impl Diagram {
             let Some(direct) = &fused.direct else { return false };
             let Whole { weights: Weights { nodes, stages, result }, k, x: at, .. } = whole;
             for (stage, (node, row)) in nodes.iter().zip(*stages).enumerate() {
-                add_stages(at, x, h, row, k);
-                fused.layout.place(if *node == 1.0 { t1 } else { t + node * h }, at, signals);
+                let (time, states) = fused.layout.point(signals);
+                *time = if *node == 1.0 { t1 } else { t + node * h };
+                add_stages(states, x, h, row, k);
                 if !direct.run(signals, d, &mut k[stage]) {
                     return false;
                 }

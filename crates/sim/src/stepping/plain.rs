@@ -1,6 +1,7 @@
 //! Steps at which nothing is due but their own end: no sample is hit, no time event comes, no guard is watched, nobody remembers.
 //! Of all that [`advance`](Simulation::advance) looks at nothing can be there, so the step is made and the instant at its end
-//! evaluated, as far as somebody asks for it, and no more.
+//! evaluated, as far as somebody asks for it, and no more. The sizes of states are not noted: a method of fixed step has no tolerance
+//! that could ignore one.
 
 use blocksim_block::schedule::{Schedule, Solver};
 
@@ -35,7 +36,6 @@ impl Simulation {
             self.step(next)?;
             let is_major = self.t >= next || self.diagram.plan.every_step || self.rows.grid.is_none();
             self.record_within(if is_major { self.t - same(self.t) } else { self.t }, observer)?;
-            self.sizes.note(&self.x);
             if is_major {
                 self.plain_instant(observer)?;
             }
