@@ -86,7 +86,7 @@ impl FixedStep {
 
 /// What an explicit method of Runge and Kutta adds up for a step of size h from x0 at t: the stages
 /// `k[s] = f(t + nodes[s] h, x0 + (h stages[s][0]) k[0] + (h stages[s][1]) k[1] + ...)`, and with `result` the states at its end. Sums
-/// are taken from the left, all products are added, and the time of a node 1 is the end of the step itself.
+/// are taken from the left, without weights 0 at the beginning of a row, and the time of a node 1 is the end of the step itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weights {
     /// When each stage is, as a part of the step.
@@ -181,6 +181,8 @@ impl Stepper for FixedStep {
 /// x1 = x0 + (h a1) k1 + (h a2) k2 + ..., summed from the left: a row of [`Weights`] for a step of size `h`. All slices are as long as
 /// there are states.
 pub fn add_stages(x1: &mut [f64], x0: &[f64], h: f64, a: &[f64], k: &[Vec<f64>]) {
+    let zeros = a.iter().take_while(|a| **a == 0.0).count();
+    let (a, k) = (&a[zeros..], &k[zeros..]);
     // Four states go abreast. Most systems have few, and a loop over them for each stage would cost more than its sums.
     let (fours, rest) = x1.as_chunks_mut::<4>();
     let first = 4 * fours.len();

@@ -11,8 +11,8 @@ use crate::program::fused::Laws;
 #[derive(Debug)]
 pub(crate) struct Direct {
     tape: Tape,
-    /// The cells of derivatives, and the numbers of their states.
-    derivatives: Vec<(u32, u32)>,
+    /// The cells of the derivatives of all states.
+    derivatives: Vec<u32>,
     /// The cells of guards, and their numbers.
     guards: Vec<(u32, u32)>,
 }
@@ -29,16 +29,17 @@ pub(crate) struct DirectDraft {
 impl Direct {
     /// The tape of a draft, which leaves its values in `cells`.
     pub fn new(tape: Tape, cells: &[u32], DirectDraft { states, guards, .. }: &DirectDraft) -> Self {
-        let (derivatives, of_guards) = cells.split_at(states.len());
-        let pairs = |cells: &[u32], to: &[u32]| cells.iter().copied().zip(to.iter().copied()).collect();
-        Self { tape, derivatives: pairs(derivatives, states), guards: pairs(of_guards, guards) }
+        let (of_states, of_guards) = cells.split_at(states.len());
+        let mut derivatives = vec![0; states.len()];
+        states.iter().zip(of_states).for_each(|(state, cell)| derivatives[*state as usize] = *cell);
+        Self { tape, derivatives, guards: of_guards.iter().copied().zip(guards.iter().copied()).collect() }
     }
 
     /// Writes the derivatives at a point that is in its place. Returns whether all requirements are met.
     #[inline]
     pub fn run(&self, signals: &mut [f64], d: &mut [f64], dx: &mut [f64]) -> bool {
         let met = self.tape.run(signals, d).failed.is_none();
-        self.derivatives.iter().for_each(|&(cell, state)| dx[state as usize] = signals[cell as usize]);
+        dx.iter_mut().zip(&self.derivatives).for_each(|(dx, cell)| *dx = signals[*cell as usize]);
         met
     }
 
@@ -70,7 +71,10 @@ impl Laws<'_> {
         let mut joined = self.joined_derivatives()?;
         let units = &self.plan.units;
         let states = self.plan.with_states.iter().flat_map(|block| units[*block].x.range());
-        let states = states.map(|state| state as u32).collect();
+        let states: Vec<u32> = states.map(|state| state as u32).collect();
+        if states.len() != self.schedule.states {
+            return None;
+        }
         let mut guards = Vec::new();
         if let Solver::Variable { .. } = self.schedule.settings.solver {
             for &block in &self.plan.guarded {

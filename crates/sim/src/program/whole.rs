@@ -85,6 +85,8 @@ impl Step {
 
     /// `from + (h weights[0]) k[0] + (h weights[1]) k[1] + ...` of each state.
     fn sums(&mut self, from: &[Id], h: Id, weights: &[f64], k: &[Vec<Id>]) -> Vec<Id> {
+        let zeros = weights.iter().take_while(|weight| **weight == 0.0).count();
+        let (weights, k) = (&weights[zeros..], &k[zeros..]);
         let weights: Vec<Id> = weights
             .iter()
             .map(|weight| {
