@@ -1,10 +1,9 @@
 //! Connections of one level: every name exists, directions fit, every input has one driver.
 
-use std::collections::{HashMap, HashSet};
-
 use blocksim_block::physical::Domain;
 use blocksim_block::problem::{Place, Problem};
 use blocksim_signal::{closest, surely};
+use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
 use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::model::{Content, Model, ModelBlock, PortKind};

@@ -1,6 +1,5 @@
 //! Physical networks become ordinary blocks.
 
-use std::collections::HashSet;
 use std::sync::Arc;
 
 use blocksim_block::problem::Problem;
@@ -8,6 +7,7 @@ use blocksim_block::schedule::BlockPart;
 use blocksim_block::{Given, ParamUnits};
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
 use blocksim_scene::Scene;
+use foldhash::HashSet;
 use indexmap::IndexMap;
 use petgraph::unionfind::UnionFind;
 
@@ -25,6 +25,9 @@ pub(crate) fn elaborate<'a>(
     problems: &mut Problems,
 ) -> (Flat, Scene) {
     let groups = groups(&flat);
+    if groups.is_empty() {
+        return (sorted(Flat { nodes: Vec::new(), ..flat }), Scene::new());
+    }
     let mut member_of: Vec<Option<(usize, usize)>> = vec![None; flat.blocks.len()];
     for (group, members) in groups.iter().enumerate() {
         for (member, block) in members.iter().enumerate() {
@@ -57,7 +60,7 @@ pub(crate) fn elaborate<'a>(
         };
         Source { block, output, ..source.clone() }
     };
-    let mut blocks = Vec::new();
+    let mut blocks = Vec::with_capacity(kept.len() + groups.len());
     for block in &kept {
         let mut block = flat.blocks[*block].clone();
         block.inputs = block.inputs.iter().map(|source| source.as_ref().map(moved)).collect();
@@ -104,22 +107,21 @@ pub(crate) fn elaborate<'a>(
 
 /// Blocks by path again.
 fn sorted(flat: Flat) -> Flat {
+    if flat.blocks.is_sorted_by(|a, b| a.path <= b.path) {
+        return flat;
+    }
     let mut order: Vec<usize> = (0..flat.blocks.len()).collect();
     order.sort_by(|a, b| flat.blocks[*a].path.cmp(&flat.blocks[*b].path));
     let mut place = vec![0; order.len()];
     order.iter().enumerate().for_each(|(new, old)| place[*old] = new);
-    let moved = |source: &Source| Source { block: place[source.block], ..source.clone() };
-    let blocks = order
-        .iter()
-        .map(|old| {
-            let mut block = flat.blocks[*old].clone();
-            block.inputs = block.inputs.iter().map(|source| source.as_ref().map(moved)).collect();
-            block
-        })
-        .collect();
-    let recorded = flat.recorded.iter().map(|(name, source)| (name.clone(), moved(source))).collect();
-    let declared = flat.declared.iter().map(|d| Declared { source: moved(&d.source), ..d.clone() }).collect();
-    Flat { blocks, nodes: Vec::new(), recorded, declared }
+    let Flat { blocks, nodes, mut recorded, mut declared } = flat;
+    let mut blocks: Vec<Option<FlatBlock>> = blocks.into_iter().map(Some).collect();
+    let mut blocks: Vec<FlatBlock> = order.into_iter().filter_map(|old| blocks[old].take()).collect();
+    let inputs = blocks.iter_mut().flat_map(|block| &mut block.inputs).flatten();
+    let sources = inputs.chain(recorded.iter_mut().map(|(_, source)| source));
+    let sources = sources.chain(declared.iter_mut().map(|declared| &mut declared.source));
+    sources.for_each(|source| source.block = place[source.block]);
+    Flat { blocks, nodes, recorded, declared }
 }
 
 /// Components that are joined, directly or through others: each group by its blocks, in their order.

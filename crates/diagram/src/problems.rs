@@ -1,11 +1,10 @@
 //! Problems are gathered, not thrown: one report shows all of them.
 
-use std::collections::HashMap;
-
 use blocksim_block::UNTRUSTED;
 use blocksim_block::problem::{FileId, Place, Problem, Severity};
 use blocksim_signal::{closest, surely};
 use blocksim_syntax::SyntaxError;
+use foldhash::HashMap;
 
 /// The problems found so far. A problem that is found twice (six instances of one file) is kept once.
 #[derive(Debug, Clone, Default)]

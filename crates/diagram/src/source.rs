@@ -1,13 +1,13 @@
 //! The files of a model.
 
 use std::cell::{Cell, RefCell};
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
 use blocksim_block::problem::FileId;
 use blocksim_block::{CodePolicy, Files, LoadError, NoCode};
+use foldhash::HashMap;
 
 use crate::mentions::Log;
 use blocksim_syntax::{Node, SyntaxError, read};

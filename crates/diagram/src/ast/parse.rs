@@ -1,10 +1,10 @@
 //! The sections of a diagram are read; what does not fit is reported and left out.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::closest;
+use foldhash::{HashMap, HashMapExt};
 
 use super::{Ast, BlockAst, Reference};
 use crate::problems::{Problems, list, mended};

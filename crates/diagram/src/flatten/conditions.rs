@@ -1,12 +1,12 @@
 //! Conditional subsystems in the list of blocks: a gate for each, outlets where an output needs one, and every block inside
 //! asks the gate.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use blocksim_block::problem::Problem;
 use blocksim_block::{Block, Given, ParamUnits};
 use blocksim_signal::SampleTime;
+use foldhash::HashMap;
 
 use super::view::{Asked, Tree, View};
 use super::{Flat, FlatBlock, Source};

@@ -1,7 +1,6 @@
 //! Conserving ports that are joined, over all levels.
 
-use std::collections::HashMap;
-
+use foldhash::{HashMap, HashMapExt};
 use indexmap::IndexSet;
 use petgraph::unionfind::UnionFind;
 

@@ -1,10 +1,9 @@
 //! Names through levels: which output stands behind `block.port.element`.
 
-use std::collections::HashMap;
-
 use blocksim_block::problem::{Place, Problem};
 use blocksim_block::{Bus, Interface};
 use blocksim_signal::closest;
+use foldhash::{HashMap, HashMapExt};
 
 use super::Source;
 use crate::ast::{ConnectionAst, Reference};

@@ -1,10 +1,11 @@
 //! From notes and texts to symbols and the places that name them.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place};
+use foldhash::{HashMap, HashMapExt};
 
 use super::{Event, Meaning, Mention, Mentions, Symbol};
 use crate::ast::{Ast, ConnectionAst, Reference};

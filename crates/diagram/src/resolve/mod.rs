@@ -10,11 +10,11 @@ mod unused;
 mod variant;
 
 use std::cell::{Cell, RefCell};
-use std::collections::HashMap;
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Problem};
 use blocksim_block::{Interface, MOST_MEMORY};
+use foldhash::HashMap;
 
 use crate::ast::{Ast, BlockAst, parse};
 use crate::model::{Content, Model, ModelBlock};

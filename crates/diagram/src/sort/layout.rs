@@ -1,10 +1,9 @@
 //! Where every value lies: signals, inputs, states, memories, guards and what is recorded.
 
-use std::collections::{HashMap, HashSet};
-
 use blocksim_block::schedule::{
     Clock, Instance, Keep, Loop, Recorded, Schedule, Settings, Signal, Step, When,
 };
+use foldhash::{HashMap, HashSet};
 
 use super::order::{Group, Order, Sorted};
 use super::when::{needed_in_minor_steps, watched};

@@ -1,11 +1,12 @@
 //! Algebraic loops: cut open so that they can be solved, or told hop by hop.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet, BinaryHeap, HashMap, HashSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap, VecDeque};
 
 use blocksim_block::problem::{Problem, Severity};
 use blocksim_block::schedule::{LoopPolicy, When};
 use blocksim_signal::Kind;
+use foldhash::{HashMap, HashMapExt, HashSet};
 use petgraph::Direction;
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};

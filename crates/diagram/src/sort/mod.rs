@@ -7,9 +7,8 @@ mod loops;
 mod order;
 mod when;
 
-use std::collections::HashMap;
-
 use blocksim_block::schedule::{Schedule, Settings};
+use foldhash::HashMap;
 
 use crate::flatten::Flat;
 use crate::infer::Typed;

@@ -1,10 +1,9 @@
 //! How often each output group is evaluated.
 
-use std::collections::{HashMap, HashSet};
-
 use blocksim_block::law::Reads;
 use blocksim_block::schedule::When;
 use blocksim_signal::SampleTime;
+use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
 use super::loops::Ring;
 use super::order::{Group, Order, Sorted};

@@ -1,12 +1,12 @@
 //! All that can be set, from the instances of diagrams that the resolver has built.
 
-use std::collections::HashSet;
 use std::path::Path;
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_block::{BlockInfo, ParameterInfo};
 use blocksim_signal::Value;
+use foldhash::{HashSet, HashSetExt};
 
 use super::site;
 use super::{Origin, Site, Spelling, Target};
