@@ -1,20 +1,45 @@
-//! `#[derive(BlockMeta)]`: what the manual, the palette and the deserializer know of a kind of block, taken from
+//! `#[derive(BlockMeta)]`: what the manual, the palette and the reader of diagrams know of a kind of block, taken from
 //! its source; and `#[derive(Parameters)]`, the same of a group of parameters that several kinds share.
+
+mod field;
+mod parameters;
+mod requirement;
 
 use proc_macro2::TokenStream;
 use quote::quote;
-use syn::spanned::Spanned;
-use syn::{Data, DeriveInput, Error, Expr, Field, Fields, Ident, LitStr, Result, Type, parse_quote};
+use syn::{DeriveInput, Error, Expr, LitStr, Result, Type, parse_quote};
+
+use field::{doc_of, fields_of};
 
 /// Registers a struct of parameters as a kind of block.
 ///
 /// On the struct: `#[block(category = "Math")]`, or `#[block(category = "Math", symbol = Gain("k"))]` with a variant
 /// of `blocksim_block::Symbol` for drawings, and a doc comment, which becomes the page of the manual. On a
 /// field: its doc comment, `#[block(unit = "s")]`, `#[block(default = 0.5)]`, `#[block(group)]` for a group of parameters,
-/// whose type derives `Parameters`, `#[block(group(v_f = 0.8))]` where one of them has another default, and `#[block(skip)]` for what is not a parameter (filled by `load`; its type must
-/// implement `Default`). A bare number is SI where a unit is given; a field without one takes the unit that is written.
+/// whose type derives `Parameters`, `#[block(group(v_f = 0.8))]` where one of them has another default, and `#[block(skip)]` for what is
+/// not a parameter (filled by `build` or `load`; its type must implement `Default`). A bare number is SI where a unit is given; a field
+/// without one takes the unit that is written.
 ///
-/// Implements `Parameters`, `serde::Deserialize` (unknown fields are refused), `BlockKind`, and submits a `BlockInfo`.
+/// A field also says what its value must be, all numbers of it where it is a list; `None` is always allowed:
+///
+/// | written | allowed |
+/// |---|---|
+/// | `finite` | neither NaN nor infinity |
+/// | `positive`, `negative`, `not_negative`, `not_zero` | finite, and on that side of zero |
+/// | `above = 1.0`, `at_least = 0.0`, `below = MOST`, `at_most = 1.0` | such a number; infinite ones if they are on this side |
+/// | `above = lower`, ... | the same beside another parameter of the struct, by its name |
+/// | `not_empty`, `increasing` | a list or text with something in it; a list whose numbers increase |
+/// | `a_unit` | a text that names a unit |
+/// | `direction` | finite numbers, not all of them zero |
+/// | `as_many_as = rows` | a list as long as that of another parameter |
+///
+/// `remedy = "..."` advises who writes something else, `zero = "..."` who writes zero, `empty = "..."` who writes an empty list. Users read the ranges in the manual and in their
+/// editors. What cannot be said like this is found by a function of the struct, `fn validate(&self, errors: &mut ParamErrors)`.
+///
+/// A block that is worked out from its parameters is another type: `#[block(builds = DcMotor)]` on the struct, and
+/// `fn build(self, errors: &mut ParamErrors) -> Option<DcMotor>`, which is called once, where `validate` has found nothing.
+///
+/// Implements `Parameters` and `BlockKind`, registers the kind with typetag, and submits a `BlockInfo`.
 #[proc_macro_derive(BlockMeta, attributes(block))]
 pub fn derive_block_meta(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
     let input = syn::parse_macro_input!(input as DeriveInput);
@@ -28,29 +53,19 @@ pub fn derive_block_meta(input: proc_macro::TokenStream) -> proc_macro::TokenStr
 #[proc_macro_derive(Parameters, attributes(block))]
 pub fn derive_parameters(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
     let input = syn::parse_macro_input!(input as DeriveInput);
-    let group = fields_of(&input).map(|fields| {
-        let parameters = parameters(&input.ident, &fields);
-        quote! { const _: () = { #parameters }; }
+    let group = fields_of(&input).and_then(|fields| {
+        let parameters = parameters::implementation(&input.ident, &fields)?;
+        Ok(quote! { const _: () = { #parameters }; })
     });
     group.unwrap_or_else(Error::into_compile_error).into()
 }
 
-/// A field of a struct of parameters.
-struct Parameter {
-    ident: Ident,
-    ty: Type,
-    what: What,
-    doc: String,
-}
-
-/// What a field is.
-enum What {
-    /// A parameter, with its unit and its default.
-    One { unit: String, default: Option<Expr> },
-    /// A group of parameters, some with other defaults than the group has.
-    Group(Vec<(Ident, Expr)>),
-    /// Something that is filled later.
-    Skip,
+/// What `#[block(...)]` says of the struct of a kind.
+struct Head {
+    category: String,
+    symbol: Expr,
+    /// What runs, where that is not the struct itself.
+    builds: Option<Type>,
 }
 
 fn expand(input: &DeriveInput) -> Result<TokenStream> {
@@ -63,31 +78,44 @@ fn expand(input: &DeriveInput) -> Result<TokenStream> {
             "a kind of block needs a doc comment: it is its page in the manual",
         ));
     }
-    let (category, symbol) = category_and_symbol_of(input)?;
-    let parameters = parameters(ident, &fields_of(input)?);
+    let Head { category, symbol, builds } = head_of(input)?;
+    let parameters = parameters::implementation(ident, &fields_of(input)?)?;
+    let (block, body) = match builds {
+        Some(block) => (quote!(#block), quote!(Self::build(self, errors))),
+        None => (quote!(Self), quote!(::std::option::Option::Some(self))),
+    };
     Ok(quote! {
         const _: () = {
-            use ::blocksim_block::private::{inventory, serde, typetag};
+            use ::blocksim_block::private::{FieldsOf, inventory, serde, typetag};
             #parameters
 
-            impl<'de> serde::Deserialize<'de> for #ident {
-                fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> ::std::result::Result<Self, D::Error> {
-                    let mut read = <#ident as ::blocksim_block::Parameters>::Read::default();
-                    ::blocksim_block::private::read_parameters(
-                        #kind,
-                        <#ident as ::blocksim_block::Parameters>::NAMES,
-                        &mut |index, values| <#ident as ::blocksim_block::Parameters>::read(&mut read, index, values),
-                        deserializer,
-                    )?;
-                    <#ident as ::blocksim_block::Parameters>::whole(read)
-                        .map_err(|missing| serde::de::Error::missing_field(missing.0))
+            impl ::blocksim_block::BlockKind for #ident {
+                type Block = #block;
+
+                #[allow(unused_variables)]
+                fn into_block(
+                    self,
+                    errors: &mut ::blocksim_block::ParamErrors,
+                ) -> ::std::option::Option<Self::Block> {
+                    #body
                 }
             }
 
-            #[typetag::deserialize]
-            impl ::blocksim_block::BlockKind for #ident {
-                fn into_block(self: ::std::boxed::Box<Self>) -> ::std::boxed::Box<dyn ::blocksim_block::Block> {
-                    self
+            #[doc(hidden)]
+            pub struct OfKind(FieldsOf<#ident>);
+
+            impl<'de> serde::Deserialize<'de> for OfKind {
+                fn deserialize<D: serde::Deserializer<'de>>(
+                    deserializer: D,
+                ) -> ::std::result::Result<Self, D::Error> {
+                    FieldsOf::read(#kind, deserializer).map(OfKind)
+                }
+            }
+
+            #[typetag::deserialize(name = #kind)]
+            impl ::blocksim_block::Registered for OfKind {
+                fn fields(self: ::std::boxed::Box<Self>) -> ::std::boxed::Box<dyn ::blocksim_block::Fields> {
+                    ::std::boxed::Box::new(self.0)
                 }
             }
 
@@ -106,194 +134,23 @@ fn expand(input: &DeriveInput) -> Result<TokenStream> {
     })
 }
 
-/// The implementation of `Parameters`.
-fn parameters(ident: &Ident, fields: &[Parameter]) -> TokenStream {
-    let trait_path = quote!(::blocksim_block::Parameters);
-    // Lists of infos; places for what is read; reading by index; the whole.
-    let (mut infos, mut places, mut reads, mut whole) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for Parameter { ident: field, ty, what, doc } in fields {
-        let name = field.to_string();
-        match what {
-            What::Skip => whole.push(quote!(#field: ::std::default::Default::default())),
-            What::Group(defaults) => {
-                let known = quote!(<#ty as #trait_path>::INFOS);
-                infos.push(defaults.iter().fold(known.clone(), |infos, (name, default)| {
-                    let (name, text) = (name.to_string(), quote!(#default).to_string().replace(' ', ""));
-                    quote!(&::blocksim_block::private::with_default::<{ #known.len() }>(#infos, #name, #text))
-                }));
-                places.push(quote!(pub #field: <#ty as #trait_path>::Read));
-                reads.push(quote! {
-                    if index < <#ty as #trait_path>::INFOS.len() {
-                        return <#ty as #trait_path>::read(&mut read.#field, index, values);
-                    }
-                    let index = index - <#ty as #trait_path>::INFOS.len();
-                });
-                let (names, values): (Vec<_>, Vec<_>) = defaults.iter().cloned().unzip();
-                whole.push(quote! {
-                    #field: {
-                        #[allow(unused_mut)]
-                        let mut group = read.#field;
-                        #(group.#names.get_or_insert_with(|| #values);)*
-                        <#ty as #trait_path>::whole(group)?
-                    }
-                });
-            }
-            What::One { unit, default } => {
-                let rust_type = type_text(ty);
-                let (shown, value) = match default {
-                    Some(default) => {
-                        let text = quote!(#default).to_string().replace(' ', "");
-                        (quote!(::std::option::Option::Some(#text)), quote!(#default))
-                    }
-                    None => (
-                        quote!(::std::option::Option::None),
-                        quote!(return ::std::result::Result::Err(::blocksim_block::private::Missing(#name))),
-                    ),
-                };
-                infos.push(quote! {
-                    &[::blocksim_block::ParameterInfo { name: #name, rust_type: #rust_type, unit: #unit, default: #shown, doc: #doc }]
-                });
-                places.push(quote!(pub #field: ::std::option::Option<#ty>));
-                reads.push(quote! {
-                    if index == 0 {
-                        return ::blocksim_block::private::read_value(&mut read.#field, #name, values);
-                    }
-                    let index = index - 1;
-                });
-                whole.push(quote! {
-                    #field: match read.#field {
-                        ::std::option::Option::Some(value) => value,
-                        ::std::option::Option::None => #value,
-                    }
-                });
-            }
-        }
-    }
-    quote! {
-        #[doc(hidden)]
-        #[derive(::std::default::Default)]
-        pub struct Read { #(#places),* }
-
-        const LISTS: &[&[::blocksim_block::ParameterInfo]] = &[#(#infos),*];
-        const COUNT: usize = ::blocksim_block::private::count(LISTS);
-
-        impl #trait_path for #ident {
-            const INFOS: &'static [::blocksim_block::ParameterInfo] =
-                &::blocksim_block::private::joined::<COUNT>(LISTS);
-            const NAMES: &'static [&'static str] = &::blocksim_block::private::names::<COUNT>(Self::INFOS);
-            type Read = Read;
-
-            fn read<'de>(
-                read: &mut Read,
-                index: usize,
-                values: &mut dyn ::blocksim_block::private::Values<'de>,
-            ) -> ::std::result::Result<(), ::blocksim_block::private::ReadError> {
-                #(#reads)*
-                let _ = (read, values);
-                ::std::unreachable!("a parameter {index} behind the last one")
-            }
-
-            fn whole(read: Read) -> ::std::result::Result<Self, ::blocksim_block::private::Missing> {
-                let _ = &read;
-                ::std::result::Result::Ok(#ident { #(#whole),* })
-            }
-        }
-    }
-}
-
-fn category_and_symbol_of(input: &DeriveInput) -> Result<(String, Expr)> {
-    let (mut category, mut symbol) = (None, parse_quote!(Plain));
+fn head_of(input: &DeriveInput) -> Result<Head> {
+    let (mut category, mut symbol, mut builds) = (None, parse_quote!(Plain), None);
     for attr in input.attrs.iter().filter(|attr| attr.path().is_ident("block")) {
         attr.parse_nested_meta(|meta| {
             if meta.path.is_ident("category") {
                 category = Some(meta.value()?.parse::<LitStr>()?.value());
-                return Ok(());
-            }
-            if meta.path.is_ident("symbol") {
+            } else if meta.path.is_ident("symbol") {
                 symbol = meta.value()?.parse()?;
-                return Ok(());
-            }
-            Err(meta.error("expected `category = \"...\"` or `symbol = ...`"))
-        })?;
-    }
-    let category =
-        category.ok_or_else(|| Error::new(input.ident.span(), "missing #[block(category = \"...\")]"))?;
-    Ok((category, symbol))
-}
-
-fn fields_of(input: &DeriveInput) -> Result<Vec<Parameter>> {
-    let Data::Struct(data) = &input.data else {
-        return Err(Error::new(input.ident.span(), "parameters are the fields of a struct"));
-    };
-    match &data.fields {
-        Fields::Unit => Ok(Vec::new()),
-        Fields::Named(fields) => fields.named.iter().map(parameter_of).collect(),
-        Fields::Unnamed(fields) => Err(Error::new(fields.span(), "parameters have names")),
-    }
-}
-
-fn parameter_of(field: &Field) -> Result<Parameter> {
-    let Some(ident) = field.ident.clone() else {
-        return Err(Error::new(field.span(), "parameters have names"));
-    };
-    let (mut unit, mut default) = (None, None);
-    let (mut group, mut skip) = (None, false);
-    for attr in field.attrs.iter().filter(|attr| attr.path().is_ident("block")) {
-        attr.parse_nested_meta(|meta| {
-            if meta.path.is_ident("unit") {
-                unit = Some(meta.value()?.parse::<LitStr>()?.value());
-            } else if meta.path.is_ident("default") {
-                default = Some(meta.value()?.parse()?);
-            } else if meta.path.is_ident("group") {
-                let defaults = group.insert(Vec::new());
-                if meta.input.peek(syn::token::Paren) {
-                    meta.parse_nested_meta(|meta| {
-                        defaults.push((meta.path.require_ident()?.clone(), meta.value()?.parse()?));
-                        Ok(())
-                    })?;
-                }
-            } else if meta.path.is_ident("skip") {
-                skip = true;
+            } else if meta.path.is_ident("builds") {
+                builds = Some(meta.value()?.parse()?);
             } else {
-                return Err(meta.error("expected `unit`, `default`, `group` or `skip`"));
+                return Err(meta.error("expected `category = \"...\"`, `symbol = ...` or `builds = ...`"));
             }
             Ok(())
         })?;
     }
-    let doc = doc_of(&field.attrs);
-    let what = match (group, skip) {
-        (None, false) => What::One { unit: unit.take().unwrap_or_default(), default: default.take() },
-        (Some(defaults), false) => What::Group(defaults),
-        (None, true) => What::Skip,
-        (Some(_), true) => {
-            return Err(Error::new(field.span(), "a group is a parameter: it cannot be left out"));
-        }
-    };
-    if unit.is_some() || default.is_some() {
-        return Err(Error::new(field.span(), "units and defaults are those of single parameters"));
-    }
-    if doc.is_empty() && matches!(what, What::One { .. }) {
-        return Err(Error::new(
-            field.span(),
-            "a parameter needs a doc comment: it is its line in the manual",
-        ));
-    }
-    Ok(Parameter { ident, ty: field.ty.clone(), what, doc })
-}
-
-fn doc_of(attrs: &[syn::Attribute]) -> String {
-    let mut lines = Vec::new();
-    for attr in attrs.iter().filter(|attr| attr.path().is_ident("doc")) {
-        if let syn::Meta::NameValue(pair) = &attr.meta
-            && let Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(text), .. }) = &pair.value
-        {
-            let line = text.value();
-            lines.push(line.strip_prefix(' ').unwrap_or(&line).to_owned());
-        }
-    }
-    lines.join("\n").trim().to_owned()
-}
-
-fn type_text(ty: &Type) -> String {
-    quote!(#ty).to_string().replace(' ', "")
+    let category =
+        category.ok_or_else(|| Error::new(input.ident.span(), "missing #[block(category = \"...\")]"))?;
+    Ok(Head { category, symbol, builds })
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::law::{Failure, Recording};
 use crate::physical::Component;
-use crate::{CodePolicy, Context, Given, Interface, InterfaceError, NoCode, ParamError, Piece};
+use crate::{CodePolicy, Context, Given, Interface, InterfaceError, NoCode, Piece};
 
 /// A block: parameters and pure functions.
 ///
@@ -35,25 +35,14 @@ pub trait Block: Any + Debug + Send + Sync {
     /// Says where the block is in the model, `control/noise`: once, behind `load`.
     fn place(&mut self, _path: &str) {}
 
-    /// Whether the parameters make sense.
-    ///
-    /// # Errors
-    /// The first parameter that does not, with the reason and what to do.
-    fn check(&self) -> Result<(), ParamError> {
-        Ok(())
-    }
-
     /// Ports, states and dependencies, from the parameters and from what is known of the inputs. Called several
     /// times while shapes and units travel through the diagram. The names of the ports depend on the parameters
-    /// alone. Blocks of physical networks need not implement it.
+    /// alone.
     ///
     /// # Errors
     /// Inputs that do not fit each other or the parameters.
-    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
-        match self.component() {
-            Some(component) => Ok(component.part(given).interface()),
-            None => Ok(Interface::new()),
-        }
+    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+        Ok(Interface::new())
     }
 
     /// Records the law of the block as data, once, when a diagram is compiled: all outputs, derivatives and guards, and the discrete

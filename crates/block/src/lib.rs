@@ -9,12 +9,14 @@ mod code;
 mod context;
 mod contract;
 mod defaults;
+mod draft;
 pub mod event;
 mod given;
 pub mod in_unit;
 mod interface;
 pub mod law;
 pub mod methods;
+mod param_errors;
 mod parameter;
 mod parameters;
 pub mod physical;
@@ -23,6 +25,7 @@ mod ports;
 pub mod problem;
 mod reading;
 mod registry;
+mod requirements;
 pub mod schedule;
 mod shapes;
 mod symbol;
@@ -34,11 +37,13 @@ pub use code::{AnyCode, CodePolicy, Decision, NoCode, UNTRUSTED, untrusted};
 pub use context::{Context, Fault};
 pub use contract::{Block, Bus, Files, LoadError, Scratch};
 pub use defaults::in_diagram;
+pub use draft::{BlockKind, Draft, Fields};
 pub use given::{Given, ParamUnits};
 pub use interface::{
     Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, JumpPhrase, MOST_MEMORY, Merging,
     RecordRequest, Ring, State,
 };
+pub use param_errors::ParamErrors;
 pub use parameter::{
     MOST_PORTS, ParamError, ParamValue, VALUE_ENUM, at_least, count, finite, hand_over, not_negative,
     ordered, positive,
@@ -46,14 +51,16 @@ pub use parameter::{
 pub use parameters::{ParameterInfo, Parameters};
 pub use piece::{NODES, Piece, derivatives, roughness, through};
 pub use ports::{Input, Output, PortType};
-pub use registry::{BlockInfo, BlockKind, kinds};
+pub use registry::{BlockInfo, Registered, kinds};
+pub use requirements::{Bound, Inspect, Requirement, Requirements};
 pub use shapes::Shapes;
 pub use symbol::{Curve, Symbol};
 
 /// What the derive macro needs; not for use by hand.
 #[doc(hidden)]
 pub mod private {
-    pub use crate::parameters::{Missing, count, joined, names, read_parameters, read_value, with_default};
+    pub use crate::draft::FieldsOf;
+    pub use crate::parameters::{Missing, NoValidation, count, joined, names, read_value, with_default};
     pub use crate::reading::{ReadError, Values};
     pub use inventory;
     pub use serde;
@@ -67,8 +74,9 @@ pub mod prelude {
     pub use crate::physical::{Component, Energy, Law, Needs, Part, Torque};
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,
-        Interface, InterfaceError, LoadError, MOST_PORTS, Output, ParamError, ParamValue, Parameters, Piece,
-        PortType, Ring, Scratch, Shapes, State, at_least, count, finite, not_negative, ordered, positive,
+        Inspect, Interface, InterfaceError, LoadError, MOST_PORTS, Output, ParamError, ParamErrors,
+        ParamValue, Parameters, Piece, PortType, Ring, Scratch, Shapes, State, at_least, count, finite,
+        not_negative, ordered, positive,
     };
     pub use blocksim_signal::{Dimension, Kind, SampleTime, Shape};
     pub use serde::Deserialize;

@@ -18,17 +18,24 @@ pub struct ParamError {
     pub help: Option<String>,
     /// The bytes of a text in it that are wrong, where the parameter is a text.
     pub span: Option<Range<usize>>,
+    /// Other parameters that take part in it: each may be the one to change.
+    pub beside: Vec<String>,
 }
 
 impl ParamError {
     /// An error without advice.
     pub fn new(param: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { param: param.into(), message: message.into(), help: None, span: None }
+        Self { param: param.into(), message: message.into(), help: None, span: None, beside: Vec::new() }
     }
 
     /// The same with advice.
     pub fn help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
+    }
+
+    /// The same about other parameters, too. Where one of them is wrong in itself, that is the cause.
+    pub fn beside(self, others: &[&str]) -> Self {
+        Self { beside: others.iter().map(ToString::to_string).collect(), ..self }
     }
 
     /// The same about these bytes of the text that the parameter is.

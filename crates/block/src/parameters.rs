@@ -4,7 +4,9 @@ use std::fmt;
 
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
 
+use crate::ParamErrors;
 use crate::reading::{Of, ReadError, Source, Values};
+use crate::requirements::{Inspect, Requirements, check};
 
 /// What is known of one parameter.
 #[derive(Debug, Clone, Copy)]
@@ -19,11 +21,28 @@ pub struct ParameterInfo {
     pub default: Option<&'static str>,
     /// The comment above the field.
     pub doc: &'static str,
+    /// What its value must be.
+    pub requires: Requirements,
+}
+
+impl ParameterInfo {
+    /// A parameter of which nothing is known.
+    pub const NONE: Self = ParameterInfo {
+        name: "",
+        rust_type: "",
+        unit: "",
+        default: None,
+        doc: "",
+        requires: Requirements::NONE,
+    };
 }
 
 /// A struct of parameters. `#[derive(BlockMeta)]` implements it for a kind of block, `#[derive(Parameters)]` for a group
 /// that several kinds have in common: a field `#[block(group)]` of such a type stands for all parameters of the group, which
 /// diagrams and the manual show beside the others. `#[block(group(v_f = 0.8))]` gives one of them another default.
+///
+/// What a declaration cannot say of the values is found by a function of the struct, `fn validate(&self, errors: &mut ParamErrors)`, where
+/// it has one.
 pub trait Parameters: Sized {
     /// What is known of them, those of groups in their places.
     const INFOS: &'static [ParameterInfo];
@@ -38,12 +57,56 @@ pub trait Parameters: Sized {
     /// The value is not of its type, or the parameter was there before.
     fn read<'de>(read: &mut Self::Read, index: usize, values: &mut dyn Values<'de>) -> Result<(), ReadError>;
 
-    /// All parameters, defaults in the places of those that were not given.
+    /// Puts defaults in the places of parameters that were not given. Those against which something is known were.
+    fn complete(read: &mut Self::Read, errors: &ParamErrors);
+
+    /// The value that was read of the parameter with this index, if requirements look at it.
+    fn value_read(read: &Self::Read, index: usize) -> Option<&dyn Inspect>;
+
+    /// The value of the parameter with this index, if requirements look at it.
+    fn value(&self, index: usize) -> Option<&dyn Inspect>;
+
+    /// All parameters, once they are complete.
     ///
     /// # Errors
-    /// One without a default is missing.
+    /// One is missing.
     fn whole(read: Self::Read) -> Result<Self, Missing>;
+
+    /// Reports what declarations cannot say, of groups first.
+    fn validate_all(&self, errors: &mut ParamErrors);
+
+    /// All that is wrong with the parameters.
+    fn errors(&self) -> ParamErrors {
+        let mut errors = ParamErrors::default();
+        check(Self::INFOS, &|index| self.value(index), &|_| None, &mut errors);
+        errors.settle();
+        self.validate_all(&mut errors);
+        errors
+    }
+
+    /// Reads parameters by name, with defaults for those that are not given; what their values must be is not looked at.
+    ///
+    /// # Errors
+    /// A parameter is missing, unknown, there twice, or not of its type.
+    fn from_deserializer<'de, D: Deserializer<'de>>(
+        kind: &'static str,
+        deserializer: D,
+    ) -> Result<Self, D::Error> {
+        let mut read = Self::Read::default();
+        let take = &mut |index, values: &mut dyn Values<'de>| Self::read(&mut read, index, values);
+        read_parameters(kind, Self::NAMES, take, deserializer)?;
+        Self::complete(&mut read, &ParamErrors::default());
+        Self::whole(read).map_err(|missing| Error::missing_field(missing.0))
+    }
 }
+
+/// What a kind of block is without validation of its own.
+pub trait NoValidation {
+    /// Finds nothing.
+    fn validate(&self, _errors: &mut ParamErrors) {}
+}
+
+impl<T> NoValidation for T {}
 
 /// The name of a parameter that is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,7 +156,7 @@ pub const fn count(parts: &[&[ParameterInfo]]) -> usize {
 
 /// Lists of parameters behind each other.
 pub const fn joined<const N: usize>(parts: &[&[ParameterInfo]]) -> [ParameterInfo; N] {
-    let mut all = [ParameterInfo { name: "", rust_type: "", unit: "", default: None, doc: "" }; N];
+    let mut all = [ParameterInfo::NONE; N];
     let (mut at, mut i) = (0, 0);
     while i < parts.len() {
         let mut k = 0;

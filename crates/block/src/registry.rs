@@ -3,13 +3,14 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-use crate::{Block, ParameterInfo, Symbol};
+use crate::{Fields, ParameterInfo, Symbol};
 
-/// A kind of block that can be read from a diagram. `#[derive(BlockMeta)]` implements it.
+/// A kind of block that can be read from a diagram: typetag finds it by its name in `Kind(parameters)`, and reads what parameters it
+/// can. `#[derive(BlockMeta)]` implements it beside a kind.
 #[typetag::deserialize]
-pub trait BlockKind {
-    /// The block as the engine sees it.
-    fn into_block(self: Box<Self>) -> Box<dyn Block>;
+pub trait Registered {
+    /// The parameters as far as they could be read.
+    fn fields(self: Box<Self>) -> Box<dyn Fields>;
 }
 
 /// What the manual, the error messages and the tools know of a kind. `#[derive(BlockMeta)]` fills it from the

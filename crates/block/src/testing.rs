@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use crate::law::BlockLaw;
-use crate::{Block, Context, Fault, Given, Interface, NODES, ParamUnits, Piece, PortType, Scratch};
+use crate::{
+    Block, BlockKind, Context, Fault, Given, Interface, NODES, ParamUnits, Piece, PortType, Scratch,
+};
 
 /// One block with its buffers.
 #[derive(Debug)]
@@ -32,21 +34,32 @@ impl Bench {
     ///
     /// # Panics
     /// Panics if the parameters or the interface are refused: this is a tool of tests.
-    pub fn new(block: impl Block) -> Self {
+    pub fn new(kind: impl BlockKind) -> Self {
+        Self::of(kind.built())
+    }
+
+    /// The same of what a kind has been built to.
+    ///
+    /// # Panics
+    /// Panics if the interface is refused: this is a tool of tests.
+    pub fn of(block: impl Block) -> Self {
         let names = block.interface(&Given::nothing()).expect("an interface").inputs;
         let given = names.into_iter().map(|input| {
             let kind = input.kind.unwrap_or(blocksim_signal::Kind::Real);
             (input.name, PortType { kind, ..PortType::scalar() })
         });
-        Self::with_inputs(block, given.collect())
+        Self::of_inputs(block, given.collect())
     }
 
     /// A block with inputs of these types.
     ///
     /// # Panics
     /// Panics if the parameters or the interface are refused: this is a tool of tests.
-    pub fn with_inputs(block: impl Block, given: Vec<(String, PortType)>) -> Self {
-        block.check().expect("parameters that make sense");
+    pub fn with_inputs(kind: impl BlockKind, given: Vec<(String, PortType)>) -> Self {
+        Self::of_inputs(kind.built(), given)
+    }
+
+    fn of_inputs(block: impl Block, given: Vec<(String, PortType)>) -> Self {
         let given = Given::new(given, ParamUnits::default());
         let interface = block.interface(&given).expect("an interface");
         let spans = |lengths: Vec<usize>| {

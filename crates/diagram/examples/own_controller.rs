@@ -1,7 +1,7 @@
 //! Embeds a controller that is Rust code, without a plug-in: `cargo run -p blocksim-diagram --example own_controller`.
 //!
 //! A block is a struct of parameters with pure functions; what it remembers belongs to the engine. The derive macro registers its
-//! kind, and from then on diagrams name it like any other, with units, defaults and checks.
+//! kind, and from then on diagrams name it like any other, with units, defaults and ranges.
 
 // An example prints.
 #![allow(clippy::print_stdout)]
@@ -24,22 +24,17 @@ use blocksim_sim::{Observer, Simulation};
 #[block(category = "Own")]
 pub struct SpeedController {
     /// Gain.
+    #[block(finite)]
     pub kp: f64,
     /// Gain of the integral, per second.
-    #[block(unit = "1/s")]
+    #[block(unit = "1/s", finite)]
     pub ki: f64,
     /// Sample time.
-    #[block(unit = "s", default = 1e-3)]
+    #[block(unit = "s", positive, default = 1e-3)]
     pub ts: f64,
 }
 
 impl Block for SpeedController {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("kp", self.kp)?;
-        finite("ki", self.ki)?;
-        positive("ts", self.ts)
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let ports = Interface::new().input(Input::real("e").scalar()).output(Output::real("u"));
         Ok(ports.discrete("x", 0.0).sampled(self.ts))

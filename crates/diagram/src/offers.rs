@@ -6,7 +6,7 @@
 use std::rc::Rc;
 
 use blocksim_block::problem::FileId;
-use blocksim_block::{BlockInfo, BlockKind};
+use blocksim_block::{BlockInfo, Draft};
 use serde::Deserialize;
 
 use crate::de::{Reading, Tagged, Written};
@@ -63,7 +63,7 @@ fn ask(kind: &str, brackets: &[Step], key: &str) -> Vec<&'static str> {
     let Some(info) = BlockInfo::find(kind) else { return Vec::new() };
     let reading = Reading::new(scope, FileId(0), Some(info));
     let body = Written::new(&reading, &top);
-    let answer = Box::<dyn BlockKind>::deserialize(Tagged { kind, body });
+    let answer = Draft::deserialize(Tagged { kind, body });
     drop(answer);
     reading.offered.take()
 }

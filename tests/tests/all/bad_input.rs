@@ -505,6 +505,7 @@ fn joints_and_moves_stay_within_their_limits() {
         &expect![[r#"
             error[parameter]: the joint starts at 3.490658503988659 rad, above its upper limit of 3.141592653589793 rad
               model.ron:3:48 `"200 deg"` 
+              model.ron:3:85 `"180 deg"` `upper`
               note: in block `j` (RevoluteJoint)
               help: start within the limits, or change `upper`
         "#]],
@@ -538,34 +539,39 @@ fn a_move_out_of_its_limits_names_the_axis_and_the_limit() {
         match path {
             path if path.contains("200 deg") => expect![[r#"
                 error[parameter]: axis 1: the target 200 deg is 20 deg above the limit 180 deg
-                  model.ron:5:19 `(start: ["0 deg"], target: ["200 deg"], velocity: "40 %", acceleration: "30 %")` 
+                  model.ron:5:47 `"200 deg"` 
                   note: in block `m` (JointMove)
                   help: choose a position from -180 to 180 deg
-            "#]].assert_eq(&problems),
+            "#]]
+            .assert_eq(&problems),
             path if path.contains("-190 deg") => expect![[r#"
                 error[parameter]: axis 1: the start -190 deg is 10 deg below the limit -180 deg
-                  model.ron:5:19 `(start: ["-190 deg"], target: ["20 deg"], velocity: "40 %", acceleration: "30 %")` 
+                  model.ron:5:28 `"-190 deg"` 
                   note: in block `m` (JointMove)
                   help: choose a position from -180 to 180 deg
-            "#]].assert_eq(&problems),
+            "#]]
+            .assert_eq(&problems),
             path if path.contains("140 %") => expect![[r#"
                 error[parameter]: the velocity is 140 % of the maximum speed
-                  model.ron:5:19 `(start: ["0 deg"], target: ["20 deg"], velocity: "140 %", acceleration: "30 %")` 
+                  model.ron:5:68 `"140 %"` 
                   note: in block `m` (JointMove)
                   help: choose more than 0 % and at most 100 %
-            "#]].assert_eq(&problems),
+            "#]]
+            .assert_eq(&problems),
             path if path.contains("mm") => expect![[r#"
                 error[parameter]: axis 1 turns, but this has the unit of an axis that slides
-                  model.ron:5:19 `(start: ["0 deg"], target: ["20 mm"], velocity: "40 %", acceleration: "30 %")` 
+                  model.ron:5:47 `"20 mm"` 
                   note: in block `m` (JointMove)
                   help: give it with rad or deg in the place of m, such as 30 deg, 2 rad/s or 50 N*m
-            "#]].assert_eq(&problems),
+            "#]]
+            .assert_eq(&problems),
             _ => expect![[r#"
                 error[parameter]: start and target are the same on all axes
-                  model.ron:5:19 `(start: ["20 deg"], target: ["20 deg"], velocity: "40 %", acceleration: "30 %")` 
+                  model.ron:5:47 `["20 deg"]` 
                   note: in block `m` (JointMove)
                   help: change the target of at least one
-            "#]].assert_eq(&problems),
+            "#]]
+            .assert_eq(&problems),
         }
     }
 }

@@ -29,7 +29,7 @@ fn parameters_that_no_part_has() {
         r#""r": Resistor(r: "-1 Ohm"), "s": Resistor(r: 0), "l": Inductor(l: 0), "k": Inductor(l: -1), "c": Capacitor(c: 0), "j": Inertia(j: "-1 kg*m^2"), "m": Mass(m: -1), "d": RotationalDamper(d: -1), "b": Body(mass: -1, com: [0.0, 0.0, 1.0], moi: [0.1, 0.1, 0.1], poi: [0.0, 0.0, 0.0]),"#,
         "",
         &expect![[r#"
-            error[parameter]: `r` is -1, but must be positive
+            error[parameter]: `r` is -1 Ohm, but must be positive
               model.ron:4:22 `"-1 Ohm"` 
               note: in block `r` (Resistor)
               help: write a number above 0
@@ -41,7 +41,7 @@ fn parameters_that_no_part_has() {
               model.ron:4:71 `0` 
               note: in block `l` (Inductor)
               help: without inductance it is a wire: join the two nodes instead
-            error[parameter]: `l` is -1, but must be positive
+            error[parameter]: `l` is -1 H, but must be positive
               model.ron:4:92 `-1` 
               note: in block `k` (Inductor)
               help: write a number above 0
@@ -49,19 +49,19 @@ fn parameters_that_no_part_has() {
               model.ron:4:115 `0` 
               note: in block `c` (Capacitor)
               help: without capacitance it connects nothing: leave it out
-            error[parameter]: `j` is -1, but must not be negative
+            error[parameter]: `j` is -1 kg*m^2, but must not be negative
               model.ron:4:135 `"-1 kg*m^2"` 
               note: in block `j` (Inertia)
               help: write 0 or more; signs and directions come from connections and signals
-            error[parameter]: `m` is -1, but must not be negative
+            error[parameter]: `m` is -1 kg, but must not be negative
               model.ron:4:162 `-1` 
               note: in block `m` (Mass)
               help: write 0 or more; signs and directions come from connections and signals
-            error[parameter]: `d` is -1, but must not be negative
+            error[parameter]: `d` is -1 N*m*s/rad, but must not be negative
               model.ron:4:192 `-1` 
               note: in block `d` (RotationalDamper)
               help: write 0 or more; signs and directions come from connections and signals
-            error[parameter]: `mass` is -1, but must not be negative
+            error[parameter]: `mass` is -1 kg, but must not be negative
               model.ron:4:213 `-1` 
               note: in block `b` (Body)
               help: write 0 or more; signs and directions come from connections and signals
@@ -73,26 +73,31 @@ fn parameters_that_no_part_has() {
         &expect![[r#"
             error[parameter]: `r` and `l` are both 0, so nothing limits the current
               model.ron:4:21 `0` 
+              model.ron:4:27 `0` `l`
               note: in block `m` (DcMotor)
               help: give the winding its resistance
             error[parameter]: `rated_frequency` is 0, but must be positive
               model.ron:4:121 `0` 
               note: in block `q` (AsynchronousMachine)
               help: write a number above 0
-            error[parameter]: `ratio` is 0, but the first winding has turns
+            error[parameter]: `ratio` is 0, but must be finite and not 0
               model.ron:4:206 `0` 
               note: in block `t` (Transformer)
               help: write the turns of the first winding over those of the second, negative for the other sense
             error[parameter]: `l1` and `l2` are zero against `l_m`: the two currents are no states of their own
               model.ron:4:271 `0` 
+              model.ron:4:278 `0` `l2`
+              model.ron:4:256 `1` `ratio`
+              model.ron:4:264 `1` `l_m`
               note: in block `x` (Transformer)
               help: give one winding a leakage of some percent, or use an IdealTransformer beside an Inductor
-            error[parameter]: `k` is 1, but must be less than 1
+            error[parameter]: `k` is 1, but must be at least 0 and below 1
               model.ron:4:321 `1` 
               note: in block `c` (MutualInductance)
               help: coils without leakage are an IdealTransformer beside an Inductor
             error[parameter]: `g_off` (1 S) lets as much through as `r_on` (10 ohm): on and off are the same
               model.ron:4:359 `1` 
+              model.ron:4:348 `10` `r_on`
               note: in block `v` (IdealSwitch)
               help: a conductance is one over a resistance: 1e-6 S is 1 Mohm
         "#]],
@@ -105,11 +110,11 @@ fn efficiencies_and_teeth_that_no_gear_has() {
         r#""a": SimpleGear(ratio: 5, efficiency: 1.2), "b": SimpleGear(ratio: 5, efficiency: 0), "c": SimpleGear(ratio: 0), "d": CycloidalDrive(disc_teeth: 10, ring_teeth: 10, efficiency_forward: 0.9, efficiency_backward: 0.9), "e": CycloidalDrive(disc_teeth: 10, ring_teeth: 11, efficiency_forward: 0.9, efficiency_backward: -0.1), "f": PlanetaryGear(ring_teeth: 20, sun_teeth: 20), "w": WormGear(ratio: 40, lead_angle: "0 deg", friction: 0.1),"#,
         "",
         &expect![[r#"
-            error[parameter]: `efficiency` is 1.2, but an efficiency lies above 0 and is at most 1
+            error[parameter]: `efficiency` is 1.2, but must be above 0 and at most 1
               model.ron:4:43 `1.2` 
               note: in block `a` (SimpleGear)
               help: 1 means no losses
-            error[parameter]: `efficiency` is 0, but an efficiency lies above 0 and is at most 1
+            error[parameter]: `efficiency` is 0, but must be above 0 and at most 1
               model.ron:4:87 `0` 
               note: in block `b` (SimpleGear)
               help: 1 means no losses
@@ -117,19 +122,21 @@ fn efficiencies_and_teeth_that_no_gear_has() {
               model.ron:4:114 `0` 
               note: in block `c` (SimpleGear)
               help: the sign of the ratio is given by `direction: Reversed` or `Same`
-            error[parameter]: `ring_teeth` (10) must be greater than `disc_teeth` (10)
+            error[parameter]: `ring_teeth` is 10, but must be above `disc_teeth`, which is 10
               model.ron:4:166 `10` 
+              model.ron:4:150 `10` `disc_teeth`
               note: in block `d` (CycloidalDrive)
-              help: for a reduction of 10 write `ring_teeth: 11`
-            error[parameter]: `efficiency_backward` is -0.1, but an efficiency lies above 0 and is at most 1
+              help: for a reduction of `disc_teeth` the ring has one tooth more
+            error[parameter]: `efficiency_backward` is -0.1, but must be above 0 and at most 1
               model.ron:4:320 `-0.1` 
               note: in block `e` (CycloidalDrive)
               help: 1 means no losses
-            error[parameter]: `ring_teeth` (20) must be greater than `sun_teeth` (20)
+            error[parameter]: `ring_teeth` is 20, but must be above `sun_teeth`, which is 20
               model.ron:4:358 `20` 
+              model.ron:4:373 `20` `sun_teeth`
               note: in block `f` (PlanetaryGear)
               help: the planets run between the sun and the ring around it: are the two exchanged?
-            error[parameter]: `lead_angle` is 0 rad, but it lies between 0 and 90 deg
+            error[parameter]: `lead_angle` is 0, but must be above 0 and below 90 deg
               model.ron:4:415 `"0 deg"` 
               note: in block `w` (WormGear)
               help: write it with its unit: "5 deg"

@@ -142,7 +142,7 @@ fn circuits_without_a_solution_are_named() {
         .1
     };
     expect![[r#"
-        error[parameter]: `r` is -5, but must be positive
+        error[parameter]: `r` is -5 Ohm, but must be positive
           model.ron:3:88 `"-5 Ohm"` 
           note: in block `r` (Resistor)
           help: write a number above 0

@@ -115,7 +115,9 @@ fn every_kind_with_limits_refuses_a_start_outside_of_them() {
         let (_, problems) = compile_text(&format!("Diagram(blocks: {{ \"a\": {block} }}, connections: [])"));
         let told = problems.lines().any(|line| {
             line.starts_with("error[parameter]")
-                && ["outside", "starts at", "start at"].iter().any(|word| line.contains(word))
+                && ["outside", "starts at", "start at", "but must be at"]
+                    .iter()
+                    .any(|word| line.contains(word))
         });
         assert!(told, "{block}: {problems}");
     }

@@ -1,12 +1,16 @@
 //! The law of a component.
 
+use std::any::Any;
 use std::fmt::Debug;
 
 use super::{Characteristics, DryMesh, Energy, Grip, Law, Needs, Part, Supply, Torque, Wrench};
-use crate::Given;
+use crate::{Block, Files, Given, Interface, InterfaceError, LoadError};
 
 /// The law of a block that belongs to a physical network. All functions are pure.
-pub trait Component: Debug + Send + Sync {
+pub trait Component: Any + Debug + Send + Sync {
+    /// Completes the paths of files that the parameters name. Called once, before everything else.
+    fn locate(&mut self, _files: &dyn Files) {}
+
     /// Ports, signals, states and elements.
     fn part(&self, given: &Given) -> Part;
 
@@ -126,4 +130,20 @@ pub trait Component: Debug + Send + Sync {
 
     /// Writes all outputs of one need. `y` holds all outputs of the component, port after port.
     fn measure(&self, _c: &Law, _needs: Needs, _y: &mut [f64]) {}
+}
+
+/// A component is a block, whose ports and states are those of its part.
+impl<C: Component> Block for C {
+    fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
+        self.locate(files);
+        Ok(())
+    }
+
+    fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
+        Ok(self.part(given).interface())
+    }
+
+    fn component(&self) -> Option<&dyn Component> {
+        Some(self)
+    }
 }

@@ -36,6 +36,11 @@ impl ReadError {
         ReadError::Text(error.to_string())
     }
 
+    /// Whether this is only the sign that an error was noted, by whoever gave the value.
+    pub(crate) fn is_noted(&self) -> bool {
+        matches!(self, ReadError::Text(text) if text.is_empty())
+    }
+
     /// Something was asked for its value twice.
     pub(super) fn twice() -> Self {
         ReadError::Text("a value is read once".to_owned())

@@ -50,7 +50,7 @@ impl Block for Toy {
 }
 
 fn read(written: &[(&'static str, f64)]) -> Result<Toy, Error> {
-    Toy::deserialize(MapDeserializer::new(written.iter().copied()))
+    Toy::from_deserializer("Toy", MapDeserializer::new(written.iter().copied()))
 }
 
 #[test]

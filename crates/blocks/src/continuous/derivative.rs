@@ -17,19 +17,14 @@ use super::units::{SECOND, agrees};
 #[block(category = "Continuous", symbol = Fraction("s","1 + s τ"))]
 pub struct Derivative {
     /// Where the filter cuts off, positive.
-    #[block(unit = "1/s", default = 100.0)]
+    #[block(unit = "1/s", positive, default = 100.0)]
     pub n: f64,
     /// Input before the start; equal to the input at the start, the output starts at zero.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub x0: f64,
 }
 
 impl Block for Derivative {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("n", self.n)?;
-        finite("x0", self.x0)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         agrees(given, "x0", "u", u.dimension)?;
@@ -97,6 +92,6 @@ mod tests {
 
     #[test]
     fn a_filter_that_never_passes_is_refused() {
-        assert_eq!(Derivative { n: 0.0, x0: 0.0 }.check().unwrap_err().param, "n");
+        assert_eq!(Derivative { n: 0.0, x0: 0.0 }.errors()[0].param, "n");
     }
 }

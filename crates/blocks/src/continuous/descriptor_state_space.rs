@@ -1,10 +1,8 @@
-use std::sync::OnceLock;
-
 use blocksim_block::prelude::*;
 use nalgebra::DMatrix;
 
 use super::descriptor::{Rank, Reduction, Scaled, matrix, product, undecided};
-use super::state_space::{column, dot, initial, sized};
+use super::state_space::{column, dot, fit, sized};
 
 /// Linear system with a matrix before the derivatives, which may be singular.
 ///
@@ -28,28 +26,29 @@ use super::state_space::{column, dot, initial, sized};
 ///
 /// Source: L. Dai, Singular Control Systems, Springer 1989, chapter 1 (second equivalent form).
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Continuous", symbol = Lines("E ẋ = A x + B u","y = C x + D u"))]
+#[block(category = "Continuous", symbol = Lines("E ẋ = A x + B u","y = C x + D u"), builds = System)]
 pub struct DescriptorStateSpace {
     /// Matrix before the derivatives, square.
+    #[block(finite)]
     pub e: Vec<Vec<f64>>,
     /// System matrix, as large as `e`.
+    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub a: Vec<Vec<f64>>,
     /// Input matrix, a row for each row of `a`, a column for each input.
+    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub b: Vec<Vec<f64>>,
     /// Output matrix, a row for each output.
+    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub c: Vec<Vec<f64>>,
     /// Feedthrough, outputs by inputs; empty means zero.
-    #[block(default = Vec::new())]
+    #[block(finite, default = Vec::new())]
     pub d: Vec<Vec<f64>>,
     /// Values at the start, one for each row of `a`; empty means that the states are zero.
-    #[block(default = Vec::new())]
+    #[block(finite, default = Vec::new())]
     pub x0: Vec<f64>,
     /// What is taken of `x0`: `Exact` (all of it; it must fulfil the constraints) or `Differential` (the part that `e` determines).
     #[block(default = InitialValues::Exact)]
     pub initial: InitialValues,
-    /// What follows from the parameters, worked out when it is first used.
-    #[block(skip)]
-    system: OnceLock<Result<System, ParamError>>,
 }
 
 /// What is taken of initial values.
@@ -64,9 +63,10 @@ pub enum InitialValues {
 /// Share by which initial values may miss the constraints.
 const CONSISTENT: f64 = 1e-6;
 
-/// `w' = a w + b u`, `y = c w + d u`, `x = of_w w + of_u u`.
+/// The state space that is left: `w' = a w + b u`, `y = c w + d u`, `x = of_w w + of_u u`.
 #[derive(Debug, Clone)]
-struct System {
+pub struct System {
+    inputs: usize,
     names: Vec<String>,
     start: Vec<f64>,
     a: Vec<Vec<f64>>,
@@ -75,6 +75,8 @@ struct System {
     d: Vec<Vec<f64>>,
     of_w: Vec<Vec<f64>>,
     of_u: Vec<Vec<f64>>,
+    /// What `x` must be at the start; empty where any values will do.
+    x0: Vec<f64>,
 }
 
 fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
@@ -83,7 +85,7 @@ fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
 
 impl System {
     fn new(block: &DescriptorStateSpace) -> Result<Self, ParamError> {
-        let (n, inputs, outputs) = (block.a.len(), block.inputs(), block.c.len());
+        let (n, inputs, outputs) = (block.a.len(), block.b[0].len(), block.c.len());
         let (e, a) = (matrix(&block.e, n), matrix(&block.a, n));
         let (b, c) = (matrix(&block.b, inputs), matrix(&block.c, n));
         let d = if block.d.is_empty() { DMatrix::zeros(outputs, inputs) } else { matrix(&block.d, inputs) };
@@ -106,7 +108,9 @@ impl System {
         let of_u = product(&of_rest, &rest_of_u);
         let fa = product(&found.f, &a);
         let start = if block.x0.is_empty() { vec![0.0; r] } else { found.states_of(&block.x0) };
+        let exact = block.initial == InitialValues::Exact;
         Ok(Self {
+            inputs,
             names: (0..r).map(|i| found.name(i)).collect(),
             start,
             a: rows(&product(&fa, &of_w)),
@@ -115,7 +119,35 @@ impl System {
             d: rows(&(product(&c, &of_u) + d)),
             of_w: rows(&of_w),
             of_u: rows(&of_u),
+            x0: if exact { block.x0.clone() } else { Vec::new() },
         })
+    }
+
+    /// Whether the values at the start fulfil the constraints; nothing where any values do.
+    fn is_consistent<'r>(&self, l: &Recording<'r>) -> Option<Condition<'r>> {
+        if self.x0.is_empty() {
+            return None;
+        }
+        let (x, u, zero) = (l.x(), l.input(0), l.constant(0.0));
+        let mut holds = l.time().live(Relation::NotEqual, zero);
+        // Methods look at other states at the start as well.
+        for (x, start) in x.iter().zip(&self.start) {
+            holds = holds.or(x.live(Relation::NotEqual, l.constant(*start)));
+        }
+        let magnitude = |value: Value<'r>| value.live(Relation::Less, zero).select(-value, value);
+        let mut fits: Option<Condition> = None;
+        for ((of_w, of_u), x0) in self.of_w.iter().zip(&self.of_u).zip(&self.x0) {
+            let found = l.dot(of_w, x) + l.dot(of_u, u);
+            let terms = of_w.iter().zip(x).chain(of_u.iter().zip(u));
+            let size = terms.fold(zero, |size, (factor, value)| size + magnitude(*factor * *value));
+            let least = l.constant(x0.abs());
+            let size = size.live(Relation::Less, least).select(least, size);
+            let near = magnitude(found - *x0).live(Relation::LessEqual, size * CONSISTENT);
+            // What is not a number has another cause.
+            let near = near.or(!found.is_number());
+            fits = Some(fits.map_or(near, |fits| fits.and(near)));
+        }
+        fits.map(|fits| holds.or(fits))
     }
 
     fn feeds_through(&self) -> bool {
@@ -177,94 +209,42 @@ fn is_singular_pencil(e: &DMatrix<f64>, a: &DMatrix<f64>) -> bool {
 }
 
 impl DescriptorStateSpace {
-    fn inputs(&self) -> usize {
-        self.b.first().map_or(0, Vec::len)
+    fn validate(&self, errors: &mut ParamErrors) {
+        fit([&self.a, &self.b, &self.c, &self.d], &self.x0, errors);
+        let n = self.a.len();
+        sized(("e", &self.e), (n, n), ("as large as `a`", &["a"]), errors);
     }
 
-    fn system(&self) -> &Result<System, ParamError> {
-        self.system.get_or_init(|| System::new(self))
-    }
-
-    /// Whether the values at the start fulfil the constraints; nothing where any values do.
-    fn is_consistent<'r>(&self, system: &System, l: &Recording<'r>) -> Option<Condition<'r>> {
-        if self.initial == InitialValues::Differential || self.x0.is_empty() {
-            return None;
-        }
-        let (x, u, zero) = (l.x(), l.input(0), l.constant(0.0));
-        let mut holds = l.time().live(Relation::NotEqual, zero);
-        // Methods look at other states at the start as well.
-        for (x, start) in x.iter().zip(&system.start) {
-            holds = holds.or(x.live(Relation::NotEqual, l.constant(*start)));
-        }
-        let magnitude = |value: Value<'r>| value.live(Relation::Less, zero).select(-value, value);
-        let mut fits: Option<Condition> = None;
-        for ((of_w, of_u), x0) in system.of_w.iter().zip(&system.of_u).zip(&self.x0) {
-            let found = l.dot(of_w, x) + l.dot(of_u, u);
-            let terms = of_w.iter().zip(x).chain(of_u.iter().zip(u));
-            let size = terms.fold(zero, |size, (factor, value)| size + magnitude(*factor * *value));
-            let least = l.constant(x0.abs());
-            let size = size.live(Relation::Less, least).select(least, size);
-            let near = magnitude(found - *x0).live(Relation::LessEqual, size * CONSISTENT);
-            // What is not a number has another cause.
-            let near = near.or(!found.is_number());
-            fits = Some(fits.map_or(near, |fits| fits.and(near)));
-        }
-        fits.map(|fits| holds.or(fits))
+    fn build(self, errors: &mut ParamErrors) -> Option<System> {
+        errors.take(System::new(&self))
     }
 }
 
-impl Block for DescriptorStateSpace {
-    fn check(&self) -> Result<(), ParamError> {
-        let (n, inputs, outputs) = (self.a.len(), self.inputs(), self.c.len());
-        for (name, n) in [("a", n), ("b", inputs), ("c", outputs)] {
-            if n == 0 {
-                return Err(ParamError::new(name, format!("`{name}` is empty"))
-                    .help("give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]"));
-            }
-        }
-        sized("a", &self.a, n, n, "it is square, a row for each equation")?;
-        sized("e", &self.e, n, n, "as large as `a`")?;
-        sized("b", &self.b, n, inputs, "a row for each row of `a`, a column for each input")?;
-        sized("c", &self.c, outputs, n, "a row for each output, a column for each row of `a`")?;
-        if !self.d.is_empty() {
-            sized(
-                "d",
-                &self.d,
-                outputs,
-                inputs,
-                "a row for each row of `c`, a column for each column of `b`",
-            )?;
-        }
-        initial(&self.x0, n, "a")?;
-        self.system().as_ref().map(|_| ()).map_err(Clone::clone)
-    }
-
+impl Block for System {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let y = Output::like("y", PortType::UNKNOWN.shaped(column(self.c.len())));
-        let interface = Interface::new().input(Input::real("u").shape(column(self.inputs())));
+        let interface = Interface::new().input(Input::real("u").shape(column(self.inputs)));
         let mut interface = interface.output(y);
-        let Ok(system) = self.system() else { return Ok(interface) };
-        for (name, start) in system.names.iter().zip(&system.start) {
+        for (name, start) in self.names.iter().zip(&self.start) {
             interface = interface.state(name.clone(), *start);
         }
         Ok(interface)
     }
 
     fn law(&self, l: &Recording) -> bool {
-        let Ok(system) = self.system() else { return false };
         let (x, u) = (l.x(), l.input(0));
-        let consistent = self.is_consistent(system, l);
+        let consistent = self.is_consistent(l);
         let start = |first: bool, value: Value| match consistent {
             Some(holds) if first => value.only_where(holds),
             _ => (),
         };
-        for (i, c) in system.c.iter().enumerate() {
+        for (i, c) in self.c.iter().enumerate() {
             let free = l.dot(c, x);
-            let y = if system.feeds_through() { free + l.dot(&system.d[i], u) } else { free };
-            start(i == 0 && x.is_empty() && system.feeds_through(), y);
+            let y = if self.feeds_through() { free + l.dot(&self.d[i], u) } else { free };
+            start(i == 0 && x.is_empty() && self.feeds_through(), y);
             l.set(0, i, y);
         }
-        for (i, (a, b)) in system.a.iter().zip(&system.b).enumerate() {
+        for (i, (a, b)) in self.a.iter().zip(&self.b).enumerate() {
             let dx = l.dot(a, x) + l.dot(b, u);
             start(i == 0, dx);
             l.derive(i, dx);
@@ -273,11 +253,10 @@ impl Block for DescriptorStateSpace {
     }
 
     fn no_value(&self, _failure: &Failure, c: &Context) -> Option<String> {
-        let Ok(system) = self.system() else { return None };
         let wrong: Vec<String> = (0..self.x0.len())
             .filter_map(|i| {
-                let found = dot(&system.of_w[i], c.x) + dot(&system.of_u[i], c.u);
-                let size = size(&system.of_w[i], c.x) + size(&system.of_u[i], c.u);
+                let found = dot(&self.of_w[i], c.x) + dot(&self.of_u[i], c.u);
+                let size = size(&self.of_w[i], c.x) + size(&self.of_u[i], c.u);
                 let is_wrong = (found - self.x0[i]).abs() > CONSISTENT * size.max(self.x0[i].abs());
                 is_wrong.then(|| format!("x0[{i}] is {}, but {found:.6e} follows", self.x0[i]))
             })

@@ -15,7 +15,6 @@ fn capacitor() -> DescriptorStateSpace {
         d: Vec::new(),
         x0: Vec::new(),
         initial: InitialValues::Exact,
-        system: OnceLock::new(),
     }
 }
 
@@ -84,19 +83,19 @@ fn an_index_of_two_and_a_singular_pencil_are_refused_with_their_reason() {
         b: matrix(&[[0.0], [-1.0]]),
         ..capacitor()
     };
-    let error = two.check().unwrap_err();
+    let error = &two.try_build().unwrap_err()[0];
     assert!(
         error.message.contains("the index of the equations is 2 or more: 1 of the 1"),
         "{}",
         error.message
     );
     let none = DescriptorStateSpace { a: matrix(&[[1.0, 1.0], [0.0, 0.0]]), ..capacitor() };
-    let error = none.check().unwrap_err();
+    let error = &none.try_build().unwrap_err()[0];
     assert!(error.message.contains("singular for every s"), "{}", error.message);
     let close = DescriptorStateSpace { e: matrix(&[[1.0, 1.0], [1.0, 1.0 + 1e-12]]), ..capacitor() };
-    assert_eq!(close.check().unwrap_err().param, "e");
+    assert_eq!(close.try_build().unwrap_err()[0].param, "e");
     let size = DescriptorStateSpace { e: matrix(&[[1.0]]), ..capacitor() };
-    assert_eq!(size.check().unwrap_err().param, "e");
+    assert_eq!(size.try_build().unwrap_err()[0].param, "e");
 }
 
 #[test]

@@ -28,13 +28,13 @@ use crate::math::Entries;
 #[block(category = "Continuous", symbol = Fraction("1","s"))]
 pub struct Integrator {
     /// Output at the start, and after a reset unless `external`; 0 if it is not given. A list gives each element its own.
-    #[block(default = None)]
+    #[block(finite, at_least = lower, at_most = upper, default = None)]
     pub x0: Option<Entries>,
     /// Lower limit of the output.
-    #[block(default = None)]
+    #[block(below = f64::INFINITY, default = None)]
     pub lower: Option<f64>,
     /// Upper limit of the output.
-    #[block(default = None)]
+    #[block(above = f64::NEG_INFINITY, above = lower, default = None)]
     pub upper: Option<f64>,
     /// What the extra input `reset` must do to set the output back: `None` (there is no such input), `Rising`,
     /// `Falling`, `Either`, `Level`.
@@ -101,6 +101,27 @@ impl Integrator {
             _ => (x, FREE),
         }
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        if let Some(Wrap { lower, upper }) = self.wrap {
+            errors.take(finite("wrap.lower", lower));
+            errors.take(finite("wrap.upper", upper));
+            if errors.is_right("wrap") {
+                errors.take(ordered("wrap.lower", lower, "wrap.upper", upper));
+            }
+            if self.lower.is_some() || self.upper.is_some() {
+                errors.add(
+                    ParamError::new("wrap", "an output that wraps around cannot have limits")
+                        .help("leave out `wrap`, or `lower` and `upper`"),
+                );
+            }
+        }
+        let (lower, upper) = (self.lower.unwrap_or(f64::NEG_INFINITY), self.upper.unwrap_or(f64::INFINITY));
+        if self.x0.is_none() && !self.external && !(lower..=upper).contains(&0.0) {
+            let error = ParamError::new("x0", "`x0` is 0 if it is not given, outside the limits");
+            errors.add(error.beside(&["lower", "upper"]).help(format!("choose it from {lower} to {upper}")));
+        }
+    }
 }
 
 /// `x` plus as many spans as bring it into the range.
@@ -114,27 +135,6 @@ fn wrapped(x: f64, lower: f64, upper: f64) -> f64 {
 }
 
 impl Block for Integrator {
-    fn check(&self) -> Result<(), ParamError> {
-        self.x0.iter().try_for_each(|x0| x0.finite("x0"))?;
-        let (lower, upper) = (self.lower.unwrap_or(f64::NEG_INFINITY), self.upper.unwrap_or(f64::INFINITY));
-        ordered("lower", lower, "upper", upper)?;
-        if let Some(wrap) = self.wrap {
-            finite("wrap.lower", wrap.lower)?;
-            finite("wrap.upper", wrap.upper)?;
-            ordered("wrap.lower", wrap.lower, "wrap.upper", wrap.upper)?;
-            if self.lower.is_some() || self.upper.is_some() {
-                return Err(ParamError::new("wrap", "an output that wraps around cannot have limits")
-                    .help("leave out `wrap`, or `lower` and `upper`"));
-            }
-        }
-        let outside = self.x0().iter().find(|x0| !(lower..=upper).contains(*x0));
-        if let Some(x0) = outside.filter(|_| self.x0.is_some() || !self.external) {
-            return Err(ParamError::new("x0", format!("`x0` is {x0}, outside the limits"))
-                .help(format!("choose it from {lower} to {upper}")));
-        }
-        Ok(())
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let own = u.dimension.map(|dimension| dimension.times(SECOND));

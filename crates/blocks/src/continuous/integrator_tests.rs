@@ -196,7 +196,7 @@ fn parameters_that_contradict_each_other_are_refused() {
         (Integrator { wrap: Some(Wrap { lower: 1.0, upper: 1.0 }), ..plain() }, "wrap.upper"),
     ];
     for (block, param) in refused {
-        assert_eq!(block.check().unwrap_err().param, param);
+        assert_eq!(block.errors()[0].param, param);
     }
 }
 
@@ -213,5 +213,5 @@ fn each_element_of_a_vector_starts_at_its_own_value() {
     let error = block.interface(&Given::new(vector("u", 2), Default::default())).unwrap_err();
     assert_eq!(error.message, "`u` is a vector of 2, but the parameters ask for a vector of 3");
     let limited = Integrator { x0: Some(x0), upper: Some(2.0), ..plain() };
-    assert_eq!(limited.check().unwrap_err().message, "`x0` is 3, outside the limits");
+    assert_eq!(limited.errors()[0].message, "`x0[2]` is 3, but must be at most `upper`, which is 2");
 }

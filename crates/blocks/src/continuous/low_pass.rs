@@ -18,19 +18,14 @@ use crate::math::Entries;
 #[block(category = "Continuous", symbol = Fraction("1","1 + s τ"))]
 pub struct LowPass {
     /// Time constant, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub tau: f64,
     /// Output at the start, in the unit of the input. A list gives each element its own.
-    #[block(default = 0.0.into())]
+    #[block(finite, default = 0.0.into())]
     pub y0: Entries,
 }
 
 impl Block for LowPass {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("tau", self.tau)?;
-        self.y0.finite("y0")
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let shape = given.common_shape(&["u"], &[self.y0.shape])?;
@@ -69,6 +64,6 @@ mod tests {
 
     #[test]
     fn a_time_constant_of_zero_is_refused() {
-        assert_eq!(LowPass { tau: 0.0, y0: 0.0.into() }.check().unwrap_err().param, "tau");
+        assert_eq!(LowPass { tau: 0.0, y0: 0.0.into() }.errors()[0].param, "tau");
     }
 }

@@ -1,5 +1,3 @@
-use std::sync::OnceLock;
-
 use blocksim_block::prelude::*;
 use nalgebra::DMatrix;
 
@@ -26,52 +24,50 @@ use super::state_space::{column, initial, sized};
 ///
 /// Source: E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, section VI.1 (state space form method).
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Continuous", symbol = Lines("M ẏ = u", ""))]
+#[block(category = "Continuous", symbol = Lines("M ẏ = u", ""), builds = Reduced)]
 pub struct MassMatrixIntegrator {
     /// Mass matrix, a list of rows.
+    #[block(not_empty, finite, empty = "give a list of rows, such as [[1.0, 0.0], [0.0, 0.0]]")]
     pub m: Vec<Vec<f64>>,
     /// Output at the start, one value for each row; empty means zero.
-    #[block(default = Vec::new())]
+    #[block(finite, default = Vec::new())]
     pub x0: Vec<f64>,
-    /// What follows from the mass matrix, worked out when it is first used.
-    #[block(skip)]
-    reduction: OnceLock<Result<Reduction, f64>>,
+}
+
+/// The integrator with what follows from its mass matrix.
+#[derive(Debug, Clone)]
+pub struct Reduced {
+    reduction: Reduction,
+    x0: Vec<f64>,
 }
 
 impl MassMatrixIntegrator {
-    fn reduction(&self) -> &Result<Reduction, f64> {
-        self.reduction.get_or_init(|| Reduction::new(matrix(&self.m, self.m.len())))
+    fn validate(&self, errors: &mut ParamErrors) {
+        let n = self.m.len();
+        sized(("m", &self.m), (n, n), ("it is square, a row for each derivative", &[]), errors);
+        initial(&self.x0, (n, "m"), errors);
     }
 
-    fn x0(&self) -> Vec<f64> {
-        if self.x0.is_empty() { vec![0.0; self.m.len()] } else { self.x0.clone() }
+    fn build(self, errors: &mut ParamErrors) -> Option<Reduced> {
+        let n = self.m.len();
+        let reduction = Reduction::new(matrix(&self.m, n)).map_err(|share| undecided("m", share));
+        let reduction = errors.take(reduction)?;
+        if reduction.states() == 0 {
+            errors.add(
+                ParamError::new("m", "`m` is zero, so there is nothing to integrate")
+                    .help("use AlgebraicConstraint for equations without derivatives"),
+            );
+        }
+        Some(Reduced { reduction, x0: if self.x0.is_empty() { vec![0.0; n] } else { self.x0 } })
     }
 }
 
-impl Block for MassMatrixIntegrator {
-    fn check(&self) -> Result<(), ParamError> {
-        let n = self.m.len();
-        if n == 0 {
-            return Err(ParamError::new("m", "`m` is empty")
-                .help("give a list of rows, such as [[1.0, 0.0], [0.0, 0.0]]"));
-        }
-        sized("m", &self.m, n, n, "it is square, a row for each derivative")?;
-        initial(&self.x0, n, "m")?;
-        match self.reduction() {
-            Ok(found) if found.states() == 0 => {
-                Err(ParamError::new("m", "`m` is zero, so there is nothing to integrate")
-                    .help("use AlgebraicConstraint for equations without derivatives"))
-            }
-            Ok(_) => Ok(()),
-            Err(share) => Err(undecided("m", *share)),
-        }
-    }
-
+impl Block for Reduced {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
-        let (n, x0) = (self.m.len(), self.x0());
+        let Self { reduction: found, x0 } = self;
+        let n = x0.len();
         let y = Output::like("y", PortType::UNKNOWN.shaped(column(n)));
         let interface = Interface::new().input(Input::real("u").shape(column(n)));
-        let Ok(found) = self.reduction() else { return Ok(interface.output_from_state(y)) };
         if let Some(u) = given.input("u").filter(|u| u.shape.len() != n) {
             let message = format!("`u` is a {}, but `m` has {n} rows", u.shape);
             return Err(InterfaceError::types(&["u"], message).help("join one signal for each row with Mux"));
@@ -81,14 +77,14 @@ impl Block for MassMatrixIntegrator {
         } else {
             interface.output_sought(y, found.algebraic().iter().map(|&place| (place, x0[place])).collect())
         };
-        for (i, state) in found.states_of(&x0).into_iter().enumerate() {
+        for (i, state) in found.states_of(x0).into_iter().enumerate() {
             interface = interface.state(found.name(i), state);
         }
         Ok(interface)
     }
 
     fn law(&self, l: &Recording) -> bool {
-        let Ok(found) = self.reduction() else { return false };
+        let found = &self.reduction;
         let rows = |m: &DMatrix<f64>| -> Vec<Vec<f64>> {
             m.row_iter().map(|row| row.iter().copied().collect()).collect()
         };
@@ -109,7 +105,7 @@ mod tests {
 
     fn block(m: &[&[f64]], x0: &[f64]) -> MassMatrixIntegrator {
         let m = m.iter().map(|row| row.to_vec()).collect();
-        MassMatrixIntegrator { m, x0: x0.to_vec(), reduction: OnceLock::new() }
+        MassMatrixIntegrator { m, x0: x0.to_vec() }
     }
 
     #[test]
@@ -128,7 +124,7 @@ mod tests {
     #[test]
     fn a_singular_mass_matrix_has_constraints_and_fewer_states() {
         let interface =
-            block(&[&[1.0, -1.0], &[-1.0, 1.0]], &[3.0, 1.0]).interface(&Given::nothing()).unwrap();
+            block(&[&[1.0, -1.0], &[-1.0, 1.0]], &[3.0, 1.0]).built().interface(&Given::nothing()).unwrap();
         assert_eq!(interface.states.len(), 1);
         assert_eq!(interface.states[0].initial.abs(), 2.0);
         assert_eq!(interface.constraint.unwrap().unknowns.len(), 1);
@@ -136,11 +132,12 @@ mod tests {
 
     #[test]
     fn what_makes_no_sense_is_refused() {
-        assert_eq!(block(&[], &[]).check().unwrap_err().param, "m");
-        assert_eq!(block(&[&[1.0, 0.0]], &[]).check().unwrap_err().param, "m[0]");
-        assert_eq!(block(&[&[1.0]], &[1.0, 2.0]).check().unwrap_err().param, "x0");
-        assert!(block(&[&[0.0]], &[]).check().unwrap_err().help.unwrap().contains("AlgebraicConstraint"));
-        let error = block(&[&[1.0, 1.0], &[1.0, 1.0 + 1e-12]], &[]).check().unwrap_err();
+        let refused = |m: &[&[f64]], x0: &[f64]| block(m, x0).try_build().unwrap_err()[0].clone();
+        assert_eq!(refused(&[], &[]).param, "m");
+        assert_eq!(refused(&[&[1.0, 0.0]], &[]).param, "m[0]");
+        assert_eq!(refused(&[&[1.0]], &[1.0, 2.0]).param, "x0");
+        assert!(refused(&[&[0.0]], &[]).help.unwrap().contains("AlgebraicConstraint"));
+        let error = refused(&[&[1.0, 1.0], &[1.0, 1.0 + 1e-12]], &[]);
         assert!(error.message.contains("neither regular nor singular"), "{}", error.message);
     }
 }

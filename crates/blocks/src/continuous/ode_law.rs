@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use blocksim_block::{MOST_PORTS, ParamError, ParamValue, count};
+use blocksim_block::{MOST_PORTS, ParamError, ParamErrors, ParamValue, count};
 use blocksim_law::{Condition, Recorder};
 use blocksim_signal::{Dimension, ExprError, Formula, NodeKind, closest};
 
@@ -116,46 +116,50 @@ fn moved(error: ExprError, at: usize) -> ParamError {
 }
 
 impl System {
-    /// Reads the text.
-    ///
-    /// # Errors
-    /// The first thing that is wrong, with its place in the text.
-    pub fn read(text: &str, given: &BTreeMap<String, ParamValue>) -> Result<Self, ParamError> {
+    /// Reads the text; all that is wrong is reported with its place.
+    pub fn read(text: &str, given: &BTreeMap<String, ParamValue>, errors: &mut ParamErrors) -> Option<Self> {
         let parameters = LawParameters(given);
-        parameters.check()?;
-        let lines = pieces(text).into_iter().map(|(at, piece)| line(at, piece));
-        let lines = lines.collect::<Result<Vec<_>, _>>()?;
-        if !lines.iter().any(|line| line.is_rate) {
-            return Err(ParamError::new("law", "there is no equation for the rate of a state").help(FORM));
+        let lines: Vec<Line> =
+            pieces(text).into_iter().filter_map(|(at, piece)| errors.take(line(at, piece))).collect();
+        if !errors.is_empty() {
+            return None;
         }
-        count("law", lines.len(), 1, MOST_PORTS)?;
+        if !lines.iter().any(|line| line.is_rate) {
+            errors.add(ParamError::new("law", "there is no equation for the rate of a state").help(FORM));
+        }
+        errors.take(count("law", lines.len(), 0, MOST_PORTS));
         for (i, Line { name, name_at, .. }) in lines.iter().enumerate() {
             if lines[..i].iter().any(|before| before.name == *name) {
-                let message = format!("there are two equations for `{name}`");
-                return Err(wrong(name_at.clone(), message)
-                    .help("give one of them another name; a state is an output by itself"));
+                let error = wrong(name_at.clone(), format!("there are two equations for `{name}`"));
+                errors.add(error.help("give one of them another name; a state is an output by itself"));
             }
             if given.contains_key(*name) {
-                let message = format!("`{name}` is a parameter as well");
-                return Err(wrong(name_at.clone(), message).help("give one of them another name"));
+                let error = wrong(name_at.clone(), format!("`{name}` is a parameter as well"));
+                errors.add(error.help("give one of them another name"));
             }
         }
         let own: Vec<&str> =
             parameters.names().into_iter().chain(lines.iter().map(|line| line.name)).collect();
-        let read = |names: &[&str]| {
+        let mut read = |names: &[&str]| {
             let formula =
                 |line: &Line| Formula::parse(line.formula, names).map_err(|error| moved(error, line.at));
-            lines.iter().map(formula).collect::<Result<Vec<Formula>, ParamError>>()
+            // All of them are read, also behind one that cannot be.
+            let formulas: Vec<Option<Formula>> =
+                lines.iter().map(|line| errors.take(formula(line))).collect();
+            formulas.into_iter().collect::<Option<Vec<Formula>>>()
         };
         let first = read(&own)?;
         // A word that is an input in one place is no unit in another.
         let words = first.iter().flat_map(|formula| formula.names()).map(|(name, _)| name);
         let formulas = read(&own.iter().copied().chain(words).collect::<Vec<_>>())?;
-        let inputs = inputs(&lines, &formulas, parameters)?;
+        let inputs = inputs(&lines, &formulas, parameters, errors);
         let used: Vec<&str> =
             formulas.iter().flat_map(|formula| formula.names()).map(|(name, _)| name).collect();
-        parameters.are_used(&used)?;
-        Self::of(text, &lines, formulas, inputs, parameters)
+        parameters.are_used(&used, errors);
+        if !errors.is_empty() {
+            return None;
+        }
+        errors.take(Self::of(text, &lines, formulas, inputs, parameters))
     }
 
     fn of(
@@ -328,7 +332,8 @@ fn inputs(
     lines: &[Line],
     formulas: &[Formula],
     parameters: LawParameters,
-) -> Result<Vec<(String, bool)>, ParamError> {
+    errors: &mut ParamErrors,
+) -> Vec<(String, bool)> {
     let mut inputs: Vec<(String, bool)> = Vec::new();
     for (i, (line, formula)) in lines.iter().zip(formulas).enumerate() {
         let place = |name: &str| {
@@ -339,47 +344,41 @@ fn inputs(
         };
         if line.is_rate && formula.is_truth() {
             let message = format!("the rate of `{}` is true or false, but must be a number", line.name);
-            return Err(wrong(line.name_at.clone(), message).help("write if(..., 1, 0)"));
+            errors.add(wrong(line.name_at.clone(), message).help("write if(..., 1, 0)"));
         }
         for (name, is_truth) in formula.names() {
             let kinds = |is: bool| if is { "true or false" } else { "a number" };
-            let is_other = |is: bool| {
+            let mut is_other = |is: bool| {
                 let message = format!("`{name}` is {}, but {} is needed here", kinds(is), kinds(is_truth));
-                Err(wrong(place(name), message))
+                errors.add(wrong(place(name), message));
             };
             if let Some(defined) = lines.iter().position(|line| line.name == name) {
-                if lines[defined].is_rate && is_truth {
-                    return is_other(false);
-                }
-                if !lines[defined].is_rate {
-                    if defined >= i && !line.is_rate {
-                        let message = format!("`{name}` is used before it is defined");
-                        return Err(wrong(place(name), message)
-                            .help("move its equation up; a loop of definitions has no order"));
-                    }
-                    if formulas[defined].is_truth() != is_truth {
-                        return is_other(formulas[defined].is_truth());
-                    }
+                let is = !lines[defined].is_rate && formulas[defined].is_truth();
+                if !lines[defined].is_rate && defined >= i && !line.is_rate {
+                    let error = wrong(place(name), format!("`{name}` is used before it is defined"));
+                    errors.add(error.help("move its equation up; a loop of definitions has no order"));
+                } else if is != is_truth {
+                    is_other(is);
                 }
                 continue;
             }
             if let Some(value) = parameters.0.get(name) {
                 if value.0.as_bool().is_some() != is_truth {
-                    return is_other(value.0.as_bool().is_some());
+                    is_other(value.0.as_bool().is_some());
                 }
                 continue;
             }
-            if let Err(error) = name_fits("law", name) {
-                return Err(error.within(place(name)));
-            }
             match inputs.iter().find(|(known, _)| known == name) {
-                Some((_, known)) if *known != is_truth => return is_other(*known),
+                Some((_, known)) if *known != is_truth => is_other(*known),
                 Some(_) => {}
-                None => inputs.push((name.to_owned(), is_truth)),
+                None => {
+                    errors.take(name_fits("law", name).map_err(|error| error.within(place(name))));
+                    inputs.push((name.to_owned(), is_truth));
+                }
             }
         }
     }
-    Ok(inputs)
+    inputs
 }
 
 /// The name among these that is meant by another.

@@ -4,7 +4,7 @@ use blocksim_block::prelude::*;
 use blocksim_signal::{Quantity, Value as Written};
 
 use super::ode_law::{Dimensions, System, meant};
-use crate::laws::{LawParameters, no_value};
+use crate::laws::{LawParameters, no_value, number_named};
 
 /// A system of differential equations that is written as text.
 ///
@@ -28,7 +28,7 @@ use crate::laws::{LawParameters, no_value};
 /// )
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Continuous", symbol = Lines("ẋ = f(x, u)","y = g(x, u)"))]
+#[block(category = "Continuous", symbol = Lines("ẋ = f(x, u)","y = g(x, u)"), builds = Equations)]
 pub struct OdeSystem {
     /// The equations.
     pub law: String,
@@ -38,50 +38,36 @@ pub struct OdeSystem {
     /// Names with numbers, which may have units, or truth values.
     #[block(default = BTreeMap::new())]
     pub parameters: BTreeMap<String, ParamValue>,
-    /// What the text means.
-    #[block(skip)]
-    built: Option<Result<System, ParamError>>,
+}
+
+/// The system with what its text means.
+#[derive(Debug, Clone)]
+pub struct Equations {
+    of: OdeSystem,
+    system: System,
 }
 
 impl OdeSystem {
-    /// Equations with start values and parameters.
-    pub fn new(
-        law: &str,
-        start: BTreeMap<String, ParamValue>,
-        parameters: BTreeMap<String, ParamValue>,
-    ) -> Self {
-        let mut system = Self { law: law.to_owned(), start, parameters, built: None };
-        system.built = Some(system.build());
-        system
+    fn validate(&self, errors: &mut ParamErrors) {
+        LawParameters(&self.parameters).validate(errors);
+        for (name, ParamValue(value)) in &self.start {
+            number_named(("start", name), value, "must start at a number", errors);
+        }
     }
 
-    fn build(&self) -> Result<System, ParamError> {
-        let system = System::read(&self.law, &self.parameters)?;
-        for (name, value) in &self.start {
-            let states = || system.rates.iter().map(|rate| rate.name.as_str());
-            if !states().any(|state| state == name) {
-                let error = ParamError::new("start", format!("`{name}` is not a state"));
-                return Err(match meant(name, states()) {
-                    Some(state) => error.help(format!("did you mean `{state}`?")),
-                    None => error.help(format!("the states are {}", states().collect::<Vec<_>>().join(", "))),
-                });
-            }
-            match value.0.as_number() {
-                Some(Quantity { value, .. }) => finite(name, value)
-                    .map_err(|error| ParamError { param: format!("start.{name}"), ..error })?,
-                None => {
-                    let message = format!("`{name}` starts at {}, but must be a number", value.0.describe());
-                    return Err(ParamError::new(format!("start.{name}"), message));
-                }
-            }
+    fn build(self, errors: &mut ParamErrors) -> Option<Equations> {
+        let system = System::read(&self.law, &self.parameters, errors)?;
+        let states = || system.rates.iter().map(|rate| rate.name.as_str());
+        for name in self.start.keys().filter(|name| !states().any(|state| state == *name)) {
+            let error = ParamError::new(format!("start.{name}"), format!("`{name}` is not a state"));
+            errors.add(match meant(name, states()) {
+                Some(state) => error.help(format!("did you mean `{state}`?")),
+                None => error.help(format!("the states are {}", states().collect::<Vec<_>>().join(", "))),
+            });
         }
         // What does not fit whatever the inputs are.
-        self.dimensions(&system, &|_| None)?;
-        Ok(system)
-    }
-
-    fn built(&self) -> Option<&System> {
-        self.built.as_ref().and_then(|built| built.as_ref().ok())
+        errors.take(self.dimensions(&system, &|_| None))?;
+        Some(Equations { of: self, system })
     }
 
     fn start(&self, name: &str) -> Option<Quantity> {
@@ -102,25 +88,13 @@ impl OdeSystem {
     }
 }
 
-impl Block for OdeSystem {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
-        self.built = Some(self.build());
-        Ok(())
-    }
-
-    fn check(&self) -> Result<(), ParamError> {
-        match &self.built {
-            Some(built) => built.as_ref().map(|_| ()).map_err(Clone::clone),
-            None => self.build().map(|_| ()),
-        }
-    }
-
+impl Block for Equations {
     /// Outputs: the states, the definitions that follow from them alone, all others. Discrete states: modes.
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
-        let Some(system) = self.built() else { return Ok(Interface::new()) };
+        let Self { of, system } = self;
         let input = |name: &str| given.input(name).and_then(|input| input.dimension);
-        let known = self.dimensions(system, &input).map_err(|error| {
-            let part = error.span.as_ref().and_then(|span| self.law.get(span.clone())).unwrap_or_default();
+        let known = of.dimensions(system, &input).map_err(|error| {
+            let part = error.span.as_ref().and_then(|span| of.law.get(span.clone())).unwrap_or_default();
             let in_text = |(name, _): &&(String, bool)| part.contains(name.as_str());
             let guilty: Vec<&str> =
                 system.inputs.iter().filter(in_text).map(|(name, _)| name.as_str()).collect();
@@ -138,7 +112,7 @@ impl Block for OdeSystem {
         for (rate, dimension) in system.rates.iter().zip(&known.states) {
             let y = Output::like(&rate.name, PortType::UNKNOWN.of(*dimension));
             interface = interface.output(y);
-            let start = self.start(&rate.name).map_or(0.0, |start| start.value);
+            let start = of.start(&rate.name).map_or(0.0, |start| start.value);
             interface = interface.state_in(&rate.name, start, *dimension);
         }
         for i in system.free.iter().chain(&system.bound) {
@@ -150,12 +124,12 @@ impl Block for OdeSystem {
             let y = Output::like(&definition.name, y);
             interface = interface.output(y);
         }
-        interface = system.of_free.declare(interface, 1, &self.law);
-        Ok(system.of_bound.declare(interface, 1, &self.law))
+        interface = system.of_free.declare(interface, 1, &of.law);
+        Ok(system.of_bound.declare(interface, 1, &of.law))
     }
 
     fn law(&self, l: &Recording) -> bool {
-        let Some(system) = self.built() else { return false };
+        let system = &self.system;
         l.x().iter().enumerate().for_each(|(port, x)| l.set(port, 0, *x));
         let free = system.of_free.record(l, 0, 0, 0);
         let bound = system.of_bound.record(l, 0, system.of_free.modes(), system.of_free.guards());
@@ -166,7 +140,7 @@ impl Block for OdeSystem {
     }
 
     fn no_value(&self, failure: &Failure, _c: &Context) -> Option<String> {
-        Some(no_value(failure, &self.law))
+        Some(no_value(failure, &self.of.law))
     }
 }
 

@@ -13,12 +13,16 @@ fn named(pairs: &[(&str, f64, &str)]) -> BTreeMap<String, ParamValue> {
     pairs.iter().map(|(name, number, unit)| ((*name).to_owned(), value((*number, *unit)))).collect()
 }
 
+fn of(law: &str, start: BTreeMap<String, ParamValue>, parameters: BTreeMap<String, ParamValue>) -> OdeSystem {
+    OdeSystem { law: law.to_owned(), start, parameters }
+}
+
 fn system(law: &str) -> OdeSystem {
-    OdeSystem::new(law, BTreeMap::new(), BTreeMap::new())
+    of(law, BTreeMap::new(), BTreeMap::new())
 }
 
 fn oscillator() -> OdeSystem {
-    OdeSystem::new(
+    of(
         "x' = v\n  v' = (force - d*v - k*x) / m\n\n power = force * v; twice = 2*x",
         named(&[("x", 0.1, "m")]),
         named(&[("m", 2.0, "kg"), ("d", 0.0, "N*s/m"), ("k", 50.0, "N/m")]),
@@ -63,18 +67,18 @@ fn modes_are_chosen_with_the_inputs_that_choose_them_and_states_do_not_wait_for_
 #[test]
 fn units_follow_from_start_values_and_rates_and_must_fit() {
     let unit = |system: &OdeSystem, inputs: &[(&str, &str)]| {
-        let interface = system.interface(&given(inputs, &[]))?;
+        let interface = system.clone().built().interface(&given(inputs, &[]))?;
         Ok::<_, InterfaceError>(interface.outputs.iter().map(|y| y.port_type.dimension).collect::<Vec<_>>())
     };
-    let of = |units: [&str; 4]| units.map(|unit| Some(dimension(unit))).to_vec();
-    assert_eq!(unit(&oscillator(), &[("force", "N")]), Ok(of(["m", "m/s", "m", "W"])));
+    let in_units = |units: [&str; 4]| units.map(|unit| Some(dimension(unit))).to_vec();
+    assert_eq!(unit(&oscillator(), &[("force", "N")]), Ok(in_units(["m", "m/s", "m", "W"])));
     let error = unit(&oscillator(), &[("force", "V")]).unwrap_err();
     assert_eq!((error.code, error.ports), ("unit_mismatch", vec!["force".to_owned()]));
     // The unit of a state without a start value follows from its rate.
     assert_eq!(unit(&system("q' = i"), &[("i", "A")]), Ok(vec![Some(dimension("C"))]));
     assert_eq!(unit(&system("x' = 1 - x"), &[]).unwrap().len(), 1);
-    let wrong = OdeSystem::new("x' = a*x", named(&[("x", 1.0, "m")]), named(&[("a", 1.0, "V")]));
-    let error = wrong.check().unwrap_err();
+    let wrong = of("x' = a*x", named(&[("x", 1.0, "m")]), named(&[("a", 1.0, "V")]));
+    let error = &wrong.try_build().unwrap_err()[0];
     assert_eq!(error.span, Some(5..8));
     assert!(error.message.contains("must be in m/s"), "{}", error.message);
 }
@@ -129,7 +133,7 @@ fn mistakes_are_placed_in_the_text() {
         ("x' = y; y = z; z = x", "z", "used before it is defined"),
         ("x' = 1 / 0", "1 / 0", "has no value"),
     ] {
-        let error = system(law).check().unwrap_err();
+        let error = &system(law).try_build().unwrap_err()[0];
         let shown = error.span.clone().map_or("", |span| &law[span]);
         assert!(error.message.contains(what), "{law}: {}", error.message);
         assert!(
@@ -138,10 +142,10 @@ fn mistakes_are_placed_in_the_text() {
             error.message
         );
     }
-    let misspelt = OdeSystem::new("speed' = 1", named(&[("sped", 1.0, "1")]), BTreeMap::new());
-    assert_eq!(misspelt.check().unwrap_err().help.as_deref(), Some("did you mean `speed`?"));
-    let unused = OdeSystem::new("x' = 1", BTreeMap::new(), named(&[("k", 1.0, "1")]));
-    assert!(unused.check().unwrap_err().message.contains("does not use its parameter `k`"));
-    let twice = OdeSystem::new("x' = 1", BTreeMap::new(), named(&[("x", 1.0, "1")]));
-    assert!(twice.check().unwrap_err().message.contains("is a parameter as well"));
+    let misspelt = of("speed' = 1", named(&[("sped", 1.0, "1")]), BTreeMap::new());
+    assert_eq!(misspelt.try_build().unwrap_err()[0].help.as_deref(), Some("did you mean `speed`?"));
+    let unused = of("x' = 1", BTreeMap::new(), named(&[("k", 1.0, "1")]));
+    assert!(unused.try_build().unwrap_err()[0].message.contains("does not use its parameter `k`"));
+    let twice = of("x' = 1", BTreeMap::new(), named(&[("x", 1.0, "1")]));
+    assert!(twice.try_build().unwrap_err()[0].message.contains("is a parameter as well"));
 }

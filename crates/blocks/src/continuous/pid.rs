@@ -120,10 +120,6 @@ impl Pid {
 }
 
 impl Block for Pid {
-    fn check(&self) -> Result<(), ParamError> {
-        self.law.check()
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let e = given.input_or_unknown("e");
         let dimension = self.law.dimension(given)?;

@@ -30,24 +30,25 @@ pub enum AntiWindup {
 #[derive(Debug, Clone, Copy, PartialEq, Parameters)]
 pub struct PidLaw {
     /// Proportional gain.
+    #[block(finite)]
     pub kp: f64,
     /// Integral gain: the unit of `kp` over s, or 1/s with `form: Ideal`.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub ki: f64,
     /// Derivative gain: the unit of `kp` times s, or s with `form: Ideal`.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub kd: f64,
     /// Where the filter of the derivative cuts off, positive.
-    #[block(unit = "1/s", default = 100.0)]
+    #[block(unit = "1/s", positive, default = 100.0)]
     pub n: f64,
     /// `Parallel`, or `Ideal` where `kp` multiplies all parts.
     #[block(default = Form::Parallel)]
     pub form: Form,
     /// Lower limit of the output.
-    #[block(default = None)]
+    #[block(below = f64::INFINITY, default = None)]
     pub lower: Option<f64>,
     /// Upper limit of the output.
-    #[block(default = None)]
+    #[block(above = f64::NEG_INFINITY, above = lower, default = None)]
     pub upper: Option<f64>,
     /// Whether there are extra inputs `lower` and `upper` for the limits; one that is not connected has the value of the
     /// parameter, or no limit.
@@ -57,13 +58,13 @@ pub struct PidLaw {
     #[block(default = AntiWindup::None)]
     pub anti_windup: AntiWindup,
     /// Gain of the feedback of `BackCalculation`.
-    #[block(unit = "1/s", default = 1.0)]
+    #[block(unit = "1/s", finite, default = 1.0)]
     pub kb: f64,
     /// Integral part at the start.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub x0: f64,
     /// State of the derivative filter at the start; `kd` times the error at the start spares the peak.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub d0: f64,
 }
 
@@ -82,25 +83,18 @@ impl<'r> Limits<'r> {
 }
 
 impl PidLaw {
-    pub(crate) fn check(&self) -> Result<(), ParamError> {
-        for (name, value) in
-            [("kp", self.kp), ("ki", self.ki), ("kd", self.kd), ("x0", self.x0), ("d0", self.d0)]
-        {
-            finite(name, value)?;
-        }
-        positive("n", self.n)?;
-        ordered("lower", self.lower(), "upper", self.upper())?;
+    fn validate(&self, errors: &mut ParamErrors) {
         if self.anti_windup != AntiWindup::None && !self.limited() {
-            return Err(ParamError::new("anti_windup", "without limits nothing winds up")
-                .help("give `lower` and `upper`, or `external_limits: true`, or leave out `anti_windup`"));
+            errors
+                .add(ParamError::new("anti_windup", "without limits nothing winds up").help(
+                    "give `lower` and `upper`, or `external_limits: true`, or leave out `anti_windup`",
+                ));
         }
-        finite("kb", self.kb)?;
         if self.anti_windup == AntiWindup::BackCalculation && self.per_integral() * self.kb < 0.0 {
             let message = format!("`kb` is {}, which drives the integral part away from the limits", self.kb);
             let sign = if self.per_integral() < 0.0 { "negative, as `kp`" } else { "positive" };
-            return Err(ParamError::new("kb", message).help(format!("make it {sign}")));
+            errors.add(ParamError::new("kb", message).beside(&["kp"]).help(format!("make it {sign}")));
         }
-        Ok(())
     }
 
     /// Dimension of the output, after checking that the gains go together as written.

@@ -163,7 +163,7 @@ fn parameters_that_make_no_controller_are_refused() {
         (block(PidLaw { kb: -1.0, ..limited(AntiWindup::BackCalculation) }), "kb"),
     ];
     for (block, param) in refused {
-        assert_eq!(block.check().unwrap_err().param, param);
+        assert_eq!(block.errors()[0].param, param);
     }
 }
 

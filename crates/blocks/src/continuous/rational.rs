@@ -23,23 +23,13 @@ impl<'a> Rational<'a> {
         Self { num: &num[zeros..], den: if den.is_empty() { &[1.0] } else { den } }
     }
 
-    /// Whether the coefficients make a proper ratio.
-    ///
-    /// # Errors
-    /// A polynomial without coefficients, a leading zero in `den`, or more powers in `num` than in `den`.
-    pub(crate) fn check(num: &[f64], den: &[f64], variable: char) -> Result<(), ParamError> {
-        for (name, coefficients) in [("num", num), ("den", den)] {
-            if coefficients.is_empty() {
-                return Err(ParamError::new(name, format!("`{name}` has no coefficients"))
-                    .help("give at least one, in descending powers: [1.0]"));
-            }
-            for (i, coefficient) in coefficients.iter().enumerate() {
-                finite(&format!("{name}[{i}]"), *coefficient)?;
-            }
-        }
-        if den[0] == 0.0 {
-            return Err(ParamError::new("den[0]", "the first coefficient of `den` is 0")
-                .help("leave out the zeros in front: coefficients are in descending powers"));
+    /// Reports coefficients that make no proper ratio: a leading zero in `den`, or more powers in `num` than in `den`.
+    pub(crate) fn validate(num: &[f64], den: &[f64], variable: char, errors: &mut ParamErrors) {
+        if den.first() == Some(&0.0) {
+            errors.add(
+                ParamError::new("den[0]", "the first coefficient of `den` is 0")
+                    .help("leave out the zeros in front: coefficients are in descending powers"),
+            );
         }
         let ratio = Rational::new(num, den);
         let (degree, order) = (ratio.num.len().saturating_sub(1), ratio.order());
@@ -48,11 +38,9 @@ impl<'a> Rational<'a> {
                 "`num` has degree {degree} in {variable}, but `den` only {order}: such a block would have to \
                  know the future"
             );
-            return Err(
-                ParamError::new("num", message).help("give `den` at least as many coefficients as `num`")
-            );
+            let error = ParamError::new("num", message).beside(&["den"]);
+            errors.add(error.help("give `den` at least as many coefficients as `num`"));
         }
-        Ok(())
     }
 
     /// Number of states.

@@ -232,7 +232,7 @@ mod tests {
     fn edges_between_samples_reset_and_nothing_else_does() {
         let samples = [1.0, 1.0, 0.0, 0.5, -1.0, -0.0, 2.0, 2.0, -3.0, 0.0, 0.0, 4.0];
         for reset in [None, Rising, Falling, Either, Level] {
-            let mut bench = blocksim_block::testing::Bench::new(Since(reset));
+            let mut bench = blocksim_block::testing::Bench::of(Since(reset));
             let mut found = Vec::new();
             for (k, sample) in samples.iter().enumerate() {
                 if reset != None {

@@ -16,16 +16,19 @@ use blocksim_block::prelude::*;
 #[block(category = "Continuous", symbol = Lines("ẋ = A x + B u","y = C x + D u"))]
 pub struct StateSpace {
     /// System matrix, states by states.
+    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub a: Vec<Vec<f64>>,
     /// Input matrix, states by inputs.
+    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub b: Vec<Vec<f64>>,
     /// Output matrix, outputs by states.
+    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub c: Vec<Vec<f64>>,
     /// Feedthrough, outputs by inputs; empty means zero.
-    #[block(default = Vec::new())]
+    #[block(finite, default = Vec::new())]
     pub d: Vec<Vec<f64>>,
     /// States at the start; empty means zero.
-    #[block(default = Vec::new())]
+    #[block(finite, default = Vec::new())]
     pub x0: Vec<f64>,
 }
 
@@ -37,6 +40,10 @@ impl StateSpace {
     fn feeds_through(&self) -> bool {
         self.d.iter().flatten().any(|d| *d != 0.0)
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        fit([&self.a, &self.b, &self.c, &self.d], &self.x0, errors);
+    }
 }
 
 /// A scalar where one number will do.
@@ -44,39 +51,51 @@ pub(crate) fn column(n: usize) -> Shape {
     if n == 1 { Shape::Scalar } else { Shape::Vector(n) }
 }
 
-/// Rows and columns must be these; `why` says where they come from.
+/// Reports a matrix that has other rows or columns; `why` says where these come from, `from` are the matrices that they come from.
 pub(crate) fn sized(
-    name: &str,
-    m: &[Vec<f64>],
-    rows: usize,
-    columns: usize,
-    why: &str,
-) -> Result<(), ParamError> {
-    let wrong = |param: String, message: String| {
-        Err(ParamError::new(param, message).help(format!("make `{name}` {rows}x{columns}: {why}")))
+    (name, m): (&str, &[Vec<f64>]),
+    (rows, columns): (usize, usize),
+    (why, from): (&str, &[&str]),
+    errors: &mut ParamErrors,
+) {
+    let mut wrong = |param: String, message: String| {
+        let error = ParamError::new(param, message).beside(from);
+        errors.add(error.help(format!("make `{name}` {rows}x{columns}: {why}")));
     };
     if m.len() != rows {
         return wrong(name.to_owned(), format!("`{name}` has {} rows, but {rows} are needed", m.len()));
     }
-    for (i, row) in m.iter().enumerate() {
-        if row.len() != columns {
-            let message = format!("row {i} of `{name}` has {} columns, but {columns} are needed", row.len());
-            return wrong(format!("{name}[{i}]"), message);
-        }
-        for (j, value) in row.iter().enumerate() {
-            finite(&format!("{name}[{i}][{j}]"), *value)?;
-        }
+    if let Some((i, row)) = m.iter().enumerate().find(|(_, row)| row.len() != columns) {
+        let message = format!("row {i} of `{name}` has {} columns, but {columns} are needed", row.len());
+        wrong(format!("{name}[{i}]"), message);
     }
-    Ok(())
 }
 
-/// Initial values must be one for each row of a matrix, or none.
-pub(crate) fn initial(x0: &[f64], rows: usize, of: &str) -> Result<(), ParamError> {
+/// Reports matrices of a system with states that do not fit each other, and initial values that do not fit them.
+pub(crate) fn fit([a, b, c, d]: [&[Vec<f64>]; 4], x0: &[f64], errors: &mut ParamErrors) {
+    let (states, inputs, outputs) = (a.len(), b.first().map_or(0, Vec::len), c.len());
+    sized(("a", a), (states, states), ("it is square, a row for each state", &[]), errors);
+    if inputs == 0 {
+        errors.add(ParamError::new("b", "`b` is empty").help("give it a column for each input"));
+    }
+    let why = "a row for each row of `a`, a column for each input";
+    sized(("b", b), (states, inputs), (why, &["a"]), errors);
+    let why = "a row for each output, a column for each row of `a`";
+    sized(("c", c), (outputs, states), (why, &["a"]), errors);
+    if !d.is_empty() {
+        let why = "a row for each row of `c`, a column for each column of `b`";
+        sized(("d", d), (outputs, inputs), (why, &["b", "c"]), errors);
+    }
+    initial(x0, (states, "a"), errors);
+}
+
+/// Reports initial values that are neither one for each row of a matrix nor none.
+pub(crate) fn initial(x0: &[f64], (rows, of): (usize, &str), errors: &mut ParamErrors) {
     if !x0.is_empty() && x0.len() != rows {
         let message = format!("`x0` has {} values, but `{of}` has {rows} rows", x0.len());
-        return Err(ParamError::new("x0", message).help("give one value for each state, or none"));
+        errors
+            .add(ParamError::new("x0", message).beside(&[of]).help("give one value for each state, or none"));
     }
-    x0.iter().enumerate().try_for_each(|(i, x0)| finite(&format!("x0[{i}]"), *x0))
 }
 
 pub(super) fn dot(row: &[f64], v: &[f64]) -> f64 {
@@ -84,29 +103,6 @@ pub(super) fn dot(row: &[f64], v: &[f64]) -> f64 {
 }
 
 impl Block for StateSpace {
-    fn check(&self) -> Result<(), ParamError> {
-        let (states, inputs, outputs) = (self.a.len(), self.inputs(), self.c.len());
-        for (name, n) in [("a", states), ("b", inputs), ("c", outputs)] {
-            if n == 0 {
-                return Err(ParamError::new(name, format!("`{name}` is empty"))
-                    .help("give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]"));
-            }
-        }
-        sized("a", &self.a, states, states, "it is square, a row for each state")?;
-        sized("b", &self.b, states, inputs, "a row for each row of `a`, a column for each input")?;
-        sized("c", &self.c, outputs, states, "a row for each output, a column for each row of `a`")?;
-        if !self.d.is_empty() {
-            sized(
-                "d",
-                &self.d,
-                outputs,
-                inputs,
-                "a row for each row of `c`, a column for each column of `b`",
-            )?;
-        }
-        initial(&self.x0, states, "a")
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let y = Output::like("y", PortType::UNKNOWN.shaped(column(self.c.len())));
         let interface = Interface::new().input(Input::real("u").shape(column(self.inputs())));
@@ -195,13 +191,13 @@ mod tests {
             (StateSpace { d: matrix(&[[0.0, 0.0], [0.0, 0.0]]), ..oscillator() }, "d[0]", "2x1"),
         ];
         for (block, param, size) in refused {
-            let error = block.check().unwrap_err();
+            let error = block.errors()[0].clone();
             assert_eq!(error.param, param);
             assert!(error.help.unwrap().contains(size), "{param}");
         }
-        assert_eq!(StateSpace { x0: vec![1.0], ..oscillator() }.check().unwrap_err().param, "x0");
-        assert_eq!(StateSpace { a: Vec::new(), ..oscillator() }.check().unwrap_err().param, "a");
+        assert_eq!(StateSpace { x0: vec![1.0], ..oscillator() }.errors()[0].param, "x0");
+        assert_eq!(StateSpace { a: Vec::new(), ..oscillator() }.errors()[0].param, "a");
         let block = StateSpace { b: matrix(&[[0.0], [f64::NAN]]), ..oscillator() };
-        assert_eq!(block.check().unwrap_err().param, "b[1][0]");
+        assert_eq!(block.errors()[0].param, "b[1][0]");
     }
 }

@@ -23,12 +23,16 @@ use super::rational::Rational;
 #[block(category = "Continuous", symbol = Polynomials("s"))]
 pub struct TransferFunction {
     /// Numerator, in descending powers of s.
-    #[block(default = vec![1.0])]
+    #[block(
+        not_empty, finite, default = vec![1.0],
+        empty = "give at least one coefficient, in descending powers: [1.0]",
+    )]
     pub num: Vec<f64>,
     /// Denominator, in descending powers of s.
+    #[block(not_empty, finite, empty = "give at least one coefficient, in descending powers: [1.0]")]
     pub den: Vec<f64>,
     /// Factor; its unit is the unit of the output over that of the input.
-    #[block(default = 1.0)]
+    #[block(finite, default = 1.0)]
     pub k: f64,
 }
 
@@ -36,14 +40,13 @@ impl TransferFunction {
     fn ratio(&self) -> Rational<'_> {
         Rational::new(&self.num, &self.den)
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        Rational::validate(&self.num, &self.den, 's', errors);
+    }
 }
 
 impl Block for TransferFunction {
-    fn check(&self) -> Result<(), ParamError> {
-        Rational::check(&self.num, &self.den, 's')?;
-        finite("k", self.k)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         Ok(self.ratio().interface(given, 0.0))
     }
@@ -146,7 +149,7 @@ mod tests {
             (&[1.0], &[1.0, f64::NAN], "den[1]"),
         ];
         for (num, den, param) in refused {
-            assert_eq!(block(num, den).check().unwrap_err().param, param);
+            assert_eq!(block(num, den).errors()[0].param, param);
         }
     }
 }

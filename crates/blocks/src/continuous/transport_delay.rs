@@ -20,23 +20,17 @@ use super::units::agrees;
 #[block(category = "Continuous", symbol = Text("e⁻ˢᵀ"))]
 pub struct TransportDelay {
     /// Delay $T$, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub delay: f64,
     /// Output until the first input comes out, in the unit of the input.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub y0: f64,
     /// Most steps within the delay that can be remembered, at least 16. Where there are more, the run ends with an error.
-    #[block(default = 4096)]
+    #[block(at_least = 16, at_most = history::MOST_PIECES, default = 4096)]
     pub buffer: usize,
 }
 
 impl Block for TransportDelay {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("delay", self.delay)?;
-        count("buffer", self.buffer, 16, history::MOST_PIECES)?;
-        finite("y0", self.y0)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         agrees(given, "y0", "u", u.dimension)?;

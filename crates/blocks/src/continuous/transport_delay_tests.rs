@@ -107,5 +107,5 @@ fn vectors_are_delayed_element_by_element() {
 fn the_unit_is_that_of_the_input_and_no_delay_is_refused() {
     let block = block(0.0, 0.0);
     assert_eq!(output_unit(&block, &[("u", "V")], &[("y0", "mV")]), "V");
-    assert_eq!(block.check().unwrap_err().param, "delay");
+    assert_eq!(block.errors()[0].param, "delay");
 }

@@ -19,17 +19,17 @@ use super::units::agrees;
 #[block(category = "Continuous", symbol = Text("e⁻ˢᵀ"))]
 pub struct VariableTransportDelay {
     /// Least delay $T_{min}$, positive; steps are no longer.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub min_delay: f64,
     /// Maximum delay $T_{max}$: the input is remembered for that long.
-    #[block(unit = "s")]
+    #[block(unit = "s", above = min_delay)]
     pub max_delay: f64,
     /// Output until the first input comes out, in the unit of the input.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub y0: f64,
     /// Most steps within the largest delay that can be remembered, at least 16. Where there are more, the run ends with an
     /// error.
-    #[block(default = 4096)]
+    #[block(at_least = 16, at_most = history::MOST_PIECES, default = 4096)]
     pub buffer: usize,
 }
 
@@ -40,13 +40,6 @@ impl VariableTransportDelay {
 }
 
 impl Block for VariableTransportDelay {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("min_delay", self.min_delay)?;
-        ordered("min_delay", self.min_delay, "max_delay", self.max_delay)?;
-        count("buffer", self.buffer, 16, history::MOST_PIECES)?;
-        finite("y0", self.y0)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         agrees(given, "y0", "u", u.dimension)?;

@@ -57,7 +57,7 @@ fn a_jump_is_passed_at_a_crossing_and_stays_on_its_side_until_then() {
 #[test]
 fn the_unit_is_that_of_the_input_and_bounds_must_make_sense() {
     assert_eq!(output_unit(&block(), &[("u", "V"), ("delay", "s")], &[("y0", "mV")]), "V");
-    let wrong = |min_delay, max_delay| VariableTransportDelay { min_delay, max_delay, ..block() }.check();
-    assert_eq!(wrong(0.0, 1.0).unwrap_err().param, "min_delay");
-    assert_eq!(wrong(2.0, 1.0).unwrap_err().param, "max_delay");
+    let wrong = |min_delay, max_delay| VariableTransportDelay { min_delay, max_delay, ..block() }.errors();
+    assert_eq!(wrong(0.0, 1.0)[0].param, "min_delay");
+    assert_eq!(wrong(2.0, 1.0)[0].param, "max_delay");
 }

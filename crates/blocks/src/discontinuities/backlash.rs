@@ -17,9 +17,10 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Curve(Backlash))]
 pub struct Backlash {
     /// Play $w$ from one flank to the other.
+    #[block(not_negative)]
     pub width: f64,
     /// Output at the start; where the input begins outside of the play around it, the nearer flank carries from the start.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub y0: f64,
 }
 
@@ -68,11 +69,6 @@ impl Backlash {
 }
 
 impl Block for Backlash {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("width", self.width)?;
-        finite("y0", self.y0)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let dimension = parameters_like(given, "u", u.dimension, &["width", "y0"])?;
@@ -185,6 +181,6 @@ mod tests {
         let y = PLAY.interface(&given(&[("u", "rad")], &[("width", "deg")])).unwrap().outputs[0].port_type;
         assert_eq!(y.dimension, Some(dimension("rad")));
         assert!(PLAY.interface(&given(&[("u", "rad")], &[("width", "V")])).is_err());
-        assert_eq!(Backlash { width: -1.0, ..PLAY }.check().unwrap_err().param, "width");
+        assert_eq!(Backlash { width: -1.0, ..PLAY }.errors()[0].param, "width");
     }
 }

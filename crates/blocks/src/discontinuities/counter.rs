@@ -27,13 +27,13 @@ pub struct Counter {
     #[block(default = false)]
     pub reverse: bool,
     /// Count at the start and after a reset, a whole number.
-    #[block(default = 0.0)]
+    #[block(at_least = lower, at_most = upper, at_least = -MOST, at_most = MOST, default = 0.0)]
     pub start: f64,
     /// Least count, a whole number; none if it is not given.
-    #[block(default = None)]
+    #[block(at_least = -MOST, at_most = MOST, default = None)]
     pub lower: Option<f64>,
     /// Greatest count, a whole number; none if it is not given.
-    #[block(default = None)]
+    #[block(above = lower, at_least = -MOST, at_most = MOST, default = None)]
     pub upper: Option<f64>,
     /// What happens at the limits: `Hold` or `Wrap`.
     #[block(default = AtLimit::Hold)]
@@ -94,36 +94,36 @@ impl Counter {
             AtLimit::Wrap => lower + (next - lower).rem_euclid(upper - lower + 1.0),
         }
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        for (name, value) in [("start", Some(self.start)), ("lower", self.lower), ("upper", self.upper)] {
+            if let Some(value) = value.filter(|value| value.fract() != 0.0) {
+                let message = format!("`{name}` is {value}, but must be a whole number");
+                let help = "counts go in steps of 1; a Gain behind the counter scales them";
+                errors.add(ParamError::new(name, message).help(help));
+            }
+        }
+        if self.at_limit != AtLimit::Wrap {
+            return;
+        }
+        if self.upper.is_none() {
+            errors.add(
+                ParamError::new("at_limit", "a counter that wraps needs `upper`")
+                    .help("`upper: 7` counts 0 to 7; `lower` is 0 if it is not given"),
+            );
+        }
+        // Of a counter that wraps `lower` is 0 if it is not given.
+        if self.lower.is_none() {
+            errors.take(ordered("lower", self.lower(), "upper", self.upper()));
+            if self.start < self.lower() {
+                let message = format!("`start` is {}, but `lower` is 0 if it is not given", self.start);
+                errors.add(ParamError::new("start", message).help("choose it from 0 on, or give `lower`"));
+            }
+        }
+    }
 }
 
 impl Block for Counter {
-    fn check(&self) -> Result<(), ParamError> {
-        let whole = |name: &str, value: f64| {
-            if value.fract() == 0.0 && value.abs() <= MOST {
-                return Ok(());
-            }
-            Err(ParamError::new(name, format!("`{name}` is {value}, but must be a whole number"))
-                .help("counts go in steps of 1; a Gain behind the counter scales them"))
-        };
-        whole("start", self.start)?;
-        self.lower.map_or(Ok(()), |lower| whole("lower", lower))?;
-        self.upper.map_or(Ok(()), |upper| whole("upper", upper))?;
-        if self.at_limit == AtLimit::Wrap && self.upper.is_none() {
-            return Err(ParamError::new("at_limit", "a counter that wraps needs `upper`")
-                .help("`upper: 7` counts 0 to 7; `lower` is 0 if it is not given"));
-        }
-        ordered("lower", self.lower(), "upper", self.upper())?;
-        if !(self.lower()..=self.upper()).contains(&self.start) {
-            let message = format!("`start` is {}, outside the limits", self.start);
-            return Err(ParamError::new("start", message).help(format!(
-                "choose it from {} to {}",
-                self.lower(),
-                self.upper()
-            )));
-        }
-        Ok(())
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let doc = |name| match name {
             "u" => "Edges count; Bool or Real.",
@@ -249,7 +249,7 @@ mod tests {
             (Counter { at_limit: AtLimit::Wrap, ..counter() }, "at_limit"),
             (Counter { lower: Some(3.0), upper: Some(1.0), start: 2.0, ..counter() }, "upper"),
         ] {
-            assert_eq!(block.check().unwrap_err().param, param);
+            assert_eq!(block.errors()[0].param, param);
         }
     }
 }

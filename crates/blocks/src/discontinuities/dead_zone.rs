@@ -14,18 +14,14 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Curve(DeadZone))]
 pub struct DeadZone {
     /// Lower end of the zone.
+    #[block(finite)]
     pub start: f64,
     /// Upper end of the zone.
+    #[block(finite, above = start)]
     pub end: f64,
 }
 
 impl Block for DeadZone {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("start", self.start)?;
-        finite("end", self.end)?;
-        ordered("start", self.start, "end", self.end)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let dimension = parameters_like(given, "u", u.dimension, &["start", "end"])?;
@@ -78,7 +74,7 @@ mod tests {
 
     #[test]
     fn a_zone_the_wrong_way_round_is_refused() {
-        assert_eq!(DeadZone { start: 1.0, end: -1.0 }.check().unwrap_err().param, "end");
-        assert_eq!(DeadZone { start: f64::NEG_INFINITY, end: 0.0 }.check().unwrap_err().param, "start");
+        assert_eq!(DeadZone { start: 1.0, end: -1.0 }.errors()[0].param, "end");
+        assert_eq!(DeadZone { start: f64::NEG_INFINITY, end: 0.0 }.errors()[0].param, "start");
     }
 }

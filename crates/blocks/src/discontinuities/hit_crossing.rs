@@ -15,7 +15,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Text("u × → n"))]
 pub struct HitCrossing {
     /// The value, in the unit of the input.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub at: f64,
     /// Which crossings count: `Rising`, `Falling` or `Either`.
     #[block(default = Crossing::Either)]
@@ -33,10 +33,6 @@ impl HitCrossing {
 }
 
 impl Block for HitCrossing {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("at", self.at)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         parameters_like(given, "u", u.dimension, &["at"])?;
@@ -107,9 +103,6 @@ mod tests {
         bench.t = 0.5;
         assert_eq!(bench.set(0, &[2.0, 0.0]).major(), [0.0, 1.0, 0.0, 0.5]);
         assert_eq!(bench.guards(), [1.0, -1.0]);
-        assert_eq!(
-            HitCrossing { at: f64::NAN, direction: Crossing::Either }.check().unwrap_err().param,
-            "at"
-        );
+        assert_eq!(HitCrossing { at: f64::NAN, direction: Crossing::Either }.errors()[0].param, "at");
     }
 }

@@ -11,10 +11,10 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Text("t on/off"))]
 pub struct OnOffDelay {
     /// Time for which `u` must be true.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", not_negative, default = 0.0)]
     pub on: f64,
     /// Time for which `u` must be false.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", not_negative, default = 0.0)]
     pub off: f64,
 }
 
@@ -26,11 +26,6 @@ const DUE: usize = 1;
 const STARTED: usize = 2;
 
 impl Block for OnOffDelay {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("on", self.on)?;
-        not_negative("off", self.off)
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         Ok(Interface::new()
             .input(Input::boolean("u").scalar())
@@ -97,6 +92,6 @@ mod tests {
         bench.t = 1.3;
         assert_eq!(bench.major(), [1.0]);
         assert_eq!(bench.set(0, &[0.0]).major(), [0.0]);
-        assert_eq!(OnOffDelay { on: -1.0, off: 0.0 }.check().unwrap_err().param, "on");
+        assert_eq!(OnOffDelay { on: -1.0, off: 0.0 }.errors()[0].param, "on");
     }
 }

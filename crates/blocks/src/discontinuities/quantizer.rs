@@ -13,6 +13,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Curve(Quantizer))]
 pub struct Quantizer {
     /// Interval $q$, in the unit of the input.
+    #[block(positive)]
     pub interval: f64,
 }
 
@@ -29,10 +30,6 @@ impl Quantizer {
 const LEVELS: &[Change] = &[Change::any("changes its level")];
 
 impl Block for Quantizer {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("interval", self.interval)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let dimension = parameters_like(given, "u", u.dimension, &["interval"])?;
@@ -108,6 +105,6 @@ mod tests {
             .port_type;
         assert_eq!(y.dimension, Some(dimension("rad")));
         assert!(QUANTIZER.interface(&given(&[("u", "rad")], &[("interval", "V")])).is_err());
-        assert_eq!(Quantizer { interval: 0.0 }.check().unwrap_err().param, "interval");
+        assert_eq!(Quantizer { interval: 0.0 }.errors()[0].param, "interval");
     }
 }

@@ -25,11 +25,13 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Curve(RateLimit))]
 pub struct RateLimiter {
     /// Greatest rate, positive.
+    #[block(positive)]
     pub rising: f64,
     /// Least rate, negative.
+    #[block(negative, remedy = "it is a rate with its sign: -10, not 10")]
     pub falling: f64,
     /// Output at the start, in the unit of the input.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub y0: f64,
     /// Whether there are extra inputs `rising` and `falling`.
     #[block(default = false)]
@@ -129,15 +131,6 @@ impl RateLimiter {
 }
 
 impl Block for RateLimiter {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("rising", self.rising)?;
-        if !(self.falling < 0.0 && self.falling.is_finite()) {
-            let message = format!("`falling` is {}, but must be negative", self.falling);
-            return Err(ParamError::new("falling", message).help("it is a rate with its sign: -10, not 10"));
-        }
-        finite("y0", self.y0)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let dimension = parameters_like(given, "u", u.dimension, &["y0"])?;
@@ -370,7 +363,7 @@ mod tests {
 
     #[test]
     fn rates_have_their_signs() {
-        assert_eq!(RateLimiter { rising: 0.0, ..LIMITER }.check().unwrap_err().param, "rising");
-        assert_eq!(RateLimiter { falling: 4.0, ..LIMITER }.check().unwrap_err().param, "falling");
+        assert_eq!(RateLimiter { rising: 0.0, ..LIMITER }.errors()[0].param, "rising");
+        assert_eq!(RateLimiter { falling: 4.0, ..LIMITER }.errors()[0].param, "falling");
     }
 }

@@ -14,33 +14,20 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Curve(Relay))]
 pub struct Relay {
     /// Where it switches on, in the unit of the input.
+    #[block(finite)]
     pub on_at: f64,
     /// Where it switches off, in the unit of the input; at most `on_at`.
+    #[block(finite, at_most = on_at, remedy = "to invert the relay, exchange `on` and `off` instead")]
     pub off_at: f64,
     /// Output while on.
-    #[block(default = 1.0)]
+    #[block(finite, default = 1.0)]
     pub on: f64,
     /// Output while off.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub off: f64,
 }
 
 impl Block for Relay {
-    fn check(&self) -> Result<(), ParamError> {
-        for (name, value) in
-            [("on_at", self.on_at), ("off_at", self.off_at), ("on", self.on), ("off", self.off)]
-        {
-            finite(name, value)?;
-        }
-        if self.off_at > self.on_at {
-            let message =
-                format!("`off_at` ({}) must not be greater than `on_at` ({})", self.off_at, self.on_at);
-            return Err(ParamError::new("off_at", message)
-                .help("to invert the relay, exchange `on` and `off` instead"));
-        }
-        Ok(())
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         parameters_like(given, "u", u.dimension, &["on_at", "off_at"])?;
@@ -120,8 +107,8 @@ mod tests {
 
     #[test]
     fn the_points_may_coincide_but_not_cross() {
-        assert!(Relay { off_at: 2.0, ..RELAY }.check().is_ok());
-        assert_eq!(Relay { off_at: 3.0, ..RELAY }.check().unwrap_err().param, "off_at");
-        assert_eq!(Relay { on: f64::NAN, ..RELAY }.check().unwrap_err().param, "on");
+        assert!(Relay { off_at: 2.0, ..RELAY }.errors().is_empty());
+        assert_eq!(Relay { off_at: 3.0, ..RELAY }.errors()[0].param, "off_at");
+        assert_eq!(Relay { on: f64::NAN, ..RELAY }.errors()[0].param, "on");
     }
 }

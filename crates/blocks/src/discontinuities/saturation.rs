@@ -20,10 +20,10 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Curve(Saturation))]
 pub struct Saturation {
     /// Least output; none if it is not given.
-    #[block(default = None)]
+    #[block(below = f64::INFINITY, default = None)]
     pub lower: Option<f64>,
     /// Greatest output; none if it is not given.
-    #[block(default = None)]
+    #[block(above = f64::NEG_INFINITY, above = lower, default = None)]
     pub upper: Option<f64>,
     /// Whether there are extra inputs `lower` and `upper`.
     #[block(default = false)]
@@ -42,17 +42,18 @@ impl Saturation {
     fn upper(&self) -> f64 {
         self.upper.unwrap_or(f64::INFINITY)
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        if self.lower.is_none() && self.upper.is_none() && !self.external {
+            errors.add(
+                ParamError::new("lower", "there are neither limits nor inputs for them")
+                    .help("give `lower` and `upper`, or `external: true`"),
+            );
+        }
+    }
 }
 
 impl Block for Saturation {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.lower.is_none() && self.upper.is_none() && !self.external {
-            return Err(ParamError::new("lower", "there are neither limits nor inputs for them")
-                .help("give `lower` and `upper`, or `external: true`"));
-        }
-        ordered("lower", self.lower(), "upper", self.upper())
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let dimension = parameters_like(given, "u", u.dimension, &["lower", "upper"])?;
@@ -144,13 +145,10 @@ mod tests {
 
     #[test]
     fn limits_the_wrong_way_round_are_refused() {
-        for (lower, upper) in [(1.0, -1.0), (1.0, 1.0), (f64::NAN, 1.0)] {
+        for (lower, upper, param) in [(1.0, -1.0, "upper"), (1.0, 1.0, "upper"), (f64::NAN, 1.0, "lower")] {
             assert_eq!(
-                Saturation { lower: Some(lower), upper: Some(upper), external: false }
-                    .check()
-                    .unwrap_err()
-                    .param,
-                "upper"
+                Saturation { lower: Some(lower), upper: Some(upper), external: false }.errors()[0].param,
+                param
             );
         }
     }
@@ -170,6 +168,6 @@ mod tests {
         let failure = bench.set(1, &[2.5]).failure().unwrap();
         assert_eq!(failure, "the limits cross: `lower` is 2.5, above `upper`, which is 2");
         let none = Saturation { lower: None, upper: None, external: false };
-        assert_eq!(none.check().unwrap_err().param, "lower");
+        assert_eq!(none.errors()[0].param, "lower");
     }
 }

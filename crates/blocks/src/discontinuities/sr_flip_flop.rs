@@ -30,14 +30,15 @@ pub enum Priority {
 
 const STORED: &[Change] = &[Change::to(1.0, "is set"), Change::to(0.0, "is reset")];
 
-impl Block for SrFlipFlop {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.q0 == 0.0 || self.q0 == 1.0 {
-            return Ok(());
+impl SrFlipFlop {
+    fn validate(&self, errors: &mut ParamErrors) {
+        if self.q0 != 0.0 && self.q0 != 1.0 {
+            errors.add(ParamError::new("q0", format!("`q0` is {}, but must be 0 or 1", self.q0)));
         }
-        Err(ParamError::new("q0", format!("must be 0 or 1, not {}", self.q0)))
     }
+}
 
+impl Block for SrFlipFlop {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         Ok(Interface::new()
             .input(Input::boolean("set").scalar())
@@ -84,6 +85,6 @@ mod tests {
                 assert_eq!(bench.set(0, &[set]).set(1, &[reset]).major(), [q, 1.0 - q], "{priority:?}");
             }
         }
-        assert_eq!(SrFlipFlop { priority: Priority::Set, q0: 0.5 }.check().unwrap_err().param, "q0");
+        assert_eq!(SrFlipFlop { priority: Priority::Set, q0: 0.5 }.errors()[0].param, "q0");
     }
 }

@@ -16,13 +16,16 @@ use crate::continuous::units::{agrees, element};
 #[block(category = "Discrete", symbol = Text("z⁻ⁿ"))]
 pub struct Delay {
     /// Sample time, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// Number of samples $n$, at least 1.
-    #[block(default = 2)]
+    #[block(
+        at_least = 1, at_most = MOST_STEPS, default = 2,
+        zero = "connect directly where nothing is to be delayed",
+    )]
     pub steps: usize,
     /// Output during the first samples, in the unit of the input.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub x0: f64,
     /// What the extra input `reset` must do between two samples to set the memory back: `None` (there is no such input),
     /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
@@ -60,17 +63,6 @@ impl Delay {
 }
 
 impl Block for Delay {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)?;
-        if !(1..=MOST_STEPS).contains(&self.steps) {
-            let message = format!("`steps` is {}, but must be from 1 to {MOST_STEPS}", self.steps);
-            return Err(
-                ParamError::new("steps", message).help("connect directly where nothing is to be delayed")
-            );
-        }
-        finite("x0", self.x0)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         agrees(given, "x0", "u", u.dimension)?;
@@ -168,7 +160,7 @@ mod tests {
     fn the_unit_stays_and_no_steps_are_refused() {
         let block = Delay { ts: 0.1, steps: 0, x0: 0.0, reset: Reset::None };
         assert_eq!(output_unit(&block, &[("u", "V")], &[]), "V");
-        assert_eq!(block.check().unwrap_err().param, "steps");
+        assert_eq!(block.errors()[0].param, "steps");
     }
 
     #[test]

@@ -17,13 +17,13 @@ use crate::continuous::units::{SECOND, agrees};
 #[block(category = "Discrete", symbol = Fraction("z − 1","T z"))]
 pub struct DiscreteDerivative {
     /// Sample time $T_s$, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// Factor $K$.
-    #[block(default = 1.0)]
+    #[block(finite, default = 1.0)]
     pub gain: f64,
     /// Input before the first sample, in the unit of the input.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub x0: f64,
     /// What the extra input `reset` must do between two samples to set the state back: `None` (there is no such input),
     /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
@@ -32,12 +32,6 @@ pub struct DiscreteDerivative {
 }
 
 impl Block for DiscreteDerivative {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)?;
-        finite("gain", self.gain)?;
-        finite("x0", self.x0)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         agrees(given, "x0", "u", u.dimension)?;
@@ -85,7 +79,7 @@ mod tests {
         let block = DiscreteDerivative { ts: 0.0, gain: 1.0, x0: 0.0, reset: Reset::None };
         assert_eq!(output_unit(&block, &[("u", "m")], &[]), "m/s");
         assert_eq!(output_unit(&block, &[("u", "m")], &[("gain", "s")]), "m");
-        assert_eq!(block.check().unwrap_err().param, "ts");
+        assert_eq!(block.errors()[0].param, "ts");
     }
 
     #[test]

@@ -25,22 +25,22 @@ use crate::math::Entries;
 #[block(category = "Discrete", symbol = Fraction("T","z − 1"))]
 pub struct DiscreteIntegrator {
     /// Sample time $T_s$, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// `ForwardEuler`, `BackwardEuler` or `Trapezoidal`.
     #[block(default = Method::ForwardEuler)]
     pub method: Method,
     /// Factor $K$.
-    #[block(default = 1.0)]
+    #[block(finite, default = 1.0)]
     pub gain: f64,
     /// State at the start. A list gives each element its own.
-    #[block(default = 0.0.into())]
+    #[block(finite, at_least = lower, at_most = upper, default = 0.0.into())]
     pub x0: Entries,
     /// Lower limit of the output.
-    #[block(default = None)]
+    #[block(below = f64::INFINITY, default = None)]
     pub lower: Option<f64>,
     /// Upper limit of the output.
-    #[block(default = None)]
+    #[block(above = f64::NEG_INFINITY, above = lower, default = None)]
     pub upper: Option<f64>,
     /// What the extra input `reset` must do between two samples to set the state back: `None` (there is no such input),
     /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
@@ -65,22 +65,6 @@ impl DiscreteIntegrator {
 }
 
 impl Block for DiscreteIntegrator {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)?;
-        finite("gain", self.gain)?;
-        self.x0.finite("x0")?;
-        ordered("lower", self.lower(), "upper", self.upper())?;
-        let outside = self.x0.values.iter().find(|x0| !(self.lower()..=self.upper()).contains(*x0));
-        if let Some(x0) = outside {
-            return Err(ParamError::new("x0", format!("`x0` is {x0}, outside the limits")).help(format!(
-                "choose it from {} to {}",
-                self.lower(),
-                self.upper()
-            )));
-        }
-        Ok(())
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let dimension = u.dimension.map(|u| u.times(given.parameters.get("gain")).times(SECOND));
@@ -181,7 +165,7 @@ mod tests {
     #[test]
     fn crossed_limits_are_refused() {
         let block = DiscreteIntegrator { lower: Some(1.0), upper: Some(0.0), ..block(Method::ForwardEuler) };
-        assert_eq!(block.check().unwrap_err().param, "upper");
+        assert_eq!(block.errors()[0].param, "upper");
     }
 
     #[test]

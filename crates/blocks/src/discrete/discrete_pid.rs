@@ -25,7 +25,7 @@ use crate::continuous::reset::{Reset, UNSEEN};
 #[block(category = "Discrete", symbol = Text("PID(z)"))]
 pub struct DiscretePid {
     /// Sample time $T_s$, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// Gains, limits and start values.
     #[block(group)]
@@ -83,21 +83,18 @@ impl DiscretePid {
         let v = law.sum(e, xi + at_once * w, derivative);
         Sample { u: limits.saturate(v), w, derivative }
     }
-}
 
-impl Block for DiscretePid {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)?;
-        self.law.check()?;
+    fn validate(&self, errors: &mut ParamErrors) {
         if self.filter == Method::ForwardEuler && self.filters() && self.law.n * self.ts >= 2.0 {
             let (n, limit) = (self.law.n, 2.0 / self.ts);
             let message = format!("`n` is {n}, but the filter is stable only below 2 / ts = {limit}");
-            return Err(ParamError::new("n", message)
-                .help("choose a smaller `n` or `ts`, or `filter: BackwardEuler` or `Trapezoidal`"));
+            let help = "choose a smaller `n` or `ts`, or `filter: BackwardEuler` or `Trapezoidal`";
+            errors.add(ParamError::new("n", message).beside(&["ts"]).help(help));
         }
-        Ok(())
     }
+}
 
+impl Block for DiscretePid {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let e = given.input_or_unknown("e");
         let dimension = self.law.dimension(given)?;
@@ -243,13 +240,13 @@ mod tests {
     #[test]
     fn a_filter_that_would_be_unstable_is_refused() {
         let block = DiscretePid { law: PidLaw { n: 200.0, ..LAW }, ..pid(Method::ForwardEuler) };
-        let error = block.check().unwrap_err();
+        let error = block.errors()[0].clone();
         assert_eq!(error.param, "n");
         assert!(error.help.unwrap().contains("BackwardEuler"));
         let without_d = PidLaw { kd: 0.0, ..block.law };
-        assert!(DiscretePid { law: without_d, ..block.clone() }.check().is_ok());
+        assert!(DiscretePid { law: without_d, ..block.clone() }.errors().is_empty());
         for method in [Method::BackwardEuler, Method::Trapezoidal] {
-            assert!(DiscretePid { filter: method, ..block.clone() }.check().is_ok());
+            assert!(DiscretePid { filter: method, ..block.clone() }.errors().is_empty());
         }
     }
 
@@ -263,8 +260,8 @@ mod tests {
     #[test]
     fn parameters_that_make_no_controller_are_refused() {
         let kp = DiscretePid { law: PidLaw { kp: f64::NAN, ..LAW }, ..pid(Method::ForwardEuler) };
-        assert_eq!(kp.check().unwrap_err().param, "kp");
+        assert_eq!(kp.errors()[0].param, "kp");
         let ts = DiscretePid { ts: 0.0, ..pid(Method::ForwardEuler) };
-        assert_eq!(ts.check().unwrap_err().param, "ts");
+        assert_eq!(ts.errors()[0].param, "ts");
     }
 }

@@ -1,7 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::continuous::reset::{Reset, UNSEEN};
-use crate::continuous::state_space::{column, initial, sized};
+use crate::continuous::state_space::{column, fit};
 
 /// Linear sampled system in state space.
 ///
@@ -20,19 +20,22 @@ use crate::continuous::state_space::{column, initial, sized};
 #[block(category = "Discrete", symbol = Lines("x⁺ = A x + B u","y = C x + D u"))]
 pub struct DiscreteStateSpace {
     /// Sample time, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// System matrix, states by states.
+    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub a: Vec<Vec<f64>>,
     /// Input matrix, states by inputs.
+    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub b: Vec<Vec<f64>>,
     /// Output matrix, outputs by states.
+    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub c: Vec<Vec<f64>>,
     /// Feedthrough, outputs by inputs; empty means zero.
-    #[block(default = Vec::new())]
+    #[block(finite, default = Vec::new())]
     pub d: Vec<Vec<f64>>,
     /// States at the start and after a reset; empty means zero.
-    #[block(default = Vec::new())]
+    #[block(finite, default = Vec::new())]
     pub x0: Vec<f64>,
     /// What the extra input `reset` must do between two samples to set the states back to `x0`: `None` (there is no such
     /// input), `Rising`, `Falling`, `Either`; with `Level` they are set back at each sample at which the input is true or
@@ -53,28 +56,13 @@ impl DiscreteStateSpace {
     fn start(&self, i: usize) -> f64 {
         self.x0.get(i).copied().unwrap_or(0.0)
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        fit([&self.a, &self.b, &self.c, &self.d], &self.x0, errors);
+    }
 }
 
 impl Block for DiscreteStateSpace {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)?;
-        let (states, inputs, outputs) = (self.a.len(), self.inputs(), self.c.len());
-        for (name, n) in [("a", states), ("b", inputs), ("c", outputs)] {
-            if n == 0 {
-                return Err(ParamError::new(name, format!("`{name}` is empty"))
-                    .help("give a list of rows, such as [[1.0, 0.1], [-0.1, 0.9]]"));
-            }
-        }
-        sized("a", &self.a, states, states, "it is square, a row for each state")?;
-        sized("b", &self.b, states, inputs, "a row for each row of `a`, a column for each input")?;
-        sized("c", &self.c, outputs, states, "a row for each output, a column for each row of `a`")?;
-        if !self.d.is_empty() {
-            let why = "a row for each row of `c`, a column for each column of `b`";
-            sized("d", &self.d, outputs, inputs, why)?;
-        }
-        initial(&self.x0, states, "a")
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let y = Output::like("y", PortType::UNKNOWN.shaped(column(self.c.len())));
         let mut interface = Interface::new().input(Input::real("u").shape(column(self.inputs())));
@@ -171,7 +159,7 @@ mod tests {
             (DiscreteStateSpace { x0: vec![1.0], ..rotation(0.0) }, "x0"),
             (DiscreteStateSpace { ts: 0.0, ..rotation(0.0) }, "ts"),
         ] {
-            assert_eq!(block.check().unwrap_err().param, param);
+            assert_eq!(block.errors()[0].param, param);
         }
     }
 }

@@ -20,18 +20,22 @@ use crate::continuous::reset::{Reset, UNSEEN};
 #[block(category = "Discrete", symbol = Polynomials("z"))]
 pub struct DiscreteTransferFunction {
     /// Sample time, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// Numerator, in descending powers of z.
-    #[block(default = vec![1.0])]
+    #[block(
+        not_empty, finite, default = vec![1.0],
+        empty = "give at least one coefficient, in descending powers: [1.0]",
+    )]
     pub num: Vec<f64>,
     /// Denominator, in descending powers of z.
+    #[block(not_empty, finite, empty = "give at least one coefficient, in descending powers: [1.0]")]
     pub den: Vec<f64>,
     /// Factor; its unit is the unit of the output over that of the input.
-    #[block(default = 1.0)]
+    #[block(finite, default = 1.0)]
     pub k: f64,
     /// All states at the start.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub x0: f64,
     /// What the extra input `reset` must do between two samples to set all states back to `x0`: `None` (there is no such input),
     /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
@@ -43,16 +47,13 @@ impl DiscreteTransferFunction {
     fn ratio(&self) -> Rational<'_> {
         Rational::new(&self.num, &self.den)
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        Rational::validate(&self.num, &self.den, 'z', errors);
+    }
 }
 
 impl Block for DiscreteTransferFunction {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)?;
-        Rational::check(&self.num, &self.den, 'z')?;
-        finite("k", self.k)?;
-        finite("x0", self.x0)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let mut interface = self.ratio().interface(given, self.x0).sampled(self.ts);
         let states = std::mem::take(&mut interface.states).into_iter();
@@ -143,8 +144,8 @@ mod tests {
     fn the_unit_comes_from_the_factor_and_improper_ratios_are_refused() {
         assert_eq!(output_unit(&block(&[1.0], &[1.0]), &[("u", "V")], &[("k", "1")]), "V");
         assert_eq!(output_unit(&block(&[1.0], &[1.0]), &[("u", "V")], &[]), "unknown");
-        assert_eq!(block(&[1.0, 0.0], &[1.0]).check().unwrap_err().param, "num");
-        assert_eq!(block(&[1.0], &[0.0]).check().unwrap_err().param, "den[0]");
+        assert_eq!(block(&[1.0, 0.0], &[1.0]).errors()[0].param, "num");
+        assert_eq!(block(&[1.0], &[0.0]).errors()[0].param, "den[0]");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::continuous::reset::UNSEEN;
 #[block(category = "Discrete", symbol = Text("u ↑"))]
 pub struct EdgeDetector {
     /// Sample time, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// Which edges: `Rising`, `Falling` or `Either`.
     #[block(default = Crossing::Rising)]
@@ -22,10 +22,6 @@ pub struct EdgeDetector {
 }
 
 impl Block for EdgeDetector {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let shape = given.input_or_unknown("u").shape;
         Ok(Interface::new()

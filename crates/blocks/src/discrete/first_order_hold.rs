@@ -17,19 +17,14 @@ use crate::math::Entries;
 #[block(category = "Discrete", symbol = Curve(Table))]
 pub struct FirstOrderHold {
     /// Sample time $T_s$, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// Output at the start, in the unit of the input. A list gives each element its own.
-    #[block(default = 0.0.into())]
+    #[block(finite, default = 0.0.into())]
     pub x0: Entries,
 }
 
 impl Block for FirstOrderHold {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)?;
-        self.x0.finite("x0")
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         agrees_as_written(self.x0.written(given, "x0"), "x0", "u", u.dimension)?;
@@ -80,6 +75,6 @@ mod tests {
     fn the_unit_stays() {
         let block = FirstOrderHold { ts: 0.5, x0: 0.0.into() };
         assert_eq!(output_unit(&block, &[("u", "V")], &[]), "V");
-        assert_eq!(FirstOrderHold { ts: f64::NAN, ..block }.check().unwrap_err().param, "ts");
+        assert_eq!(FirstOrderHold { ts: f64::NAN, ..block }.errors()[0].param, "ts");
     }
 }

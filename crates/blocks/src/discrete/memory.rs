@@ -17,15 +17,11 @@ use crate::math::elements::at;
 #[block(category = "Discrete", symbol = Text("u⁻"))]
 pub struct Memory {
     /// Output at the start, in the unit of the input. A list gives each element its own.
-    #[block(default = 0.0.into())]
+    #[block(finite, default = 0.0.into())]
     pub x0: Entries,
 }
 
 impl Block for Memory {
-    fn check(&self) -> Result<(), ParamError> {
-        self.x0.finite("x0")
-    }
-
     /// Discrete states: what is given, then the input at the present major step.
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");

@@ -18,10 +18,10 @@ use crate::math::Entries;
 #[block(category = "Discrete", symbol = Text("z⁻¹"))]
 pub struct UnitDelay {
     /// Sample time, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// Output at the first sample, in the unit of the input. A list gives each element its own.
-    #[block(default = 0.0.into())]
+    #[block(finite, default = 0.0.into())]
     pub x0: Entries,
     /// What the extra input `reset` must do between two samples to set the state back: `None` (there is no such input),
     /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
@@ -30,11 +30,6 @@ pub struct UnitDelay {
 }
 
 impl Block for UnitDelay {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)?;
-        self.x0.finite("x0")
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         agrees_as_written(self.x0.written(given, "x0"), "x0", "u", u.dimension)?;
@@ -108,6 +103,6 @@ mod tests {
     fn the_unit_stays_and_a_sample_time_of_zero_is_refused() {
         let block = UnitDelay { ts: 0.0, ..delay(0.0) };
         assert_eq!(output_unit(&block, &[("u", "V")], &[("x0", "V")]), "V");
-        assert_eq!(block.check().unwrap_err().param, "ts");
+        assert_eq!(block.errors()[0].param, "ts");
     }
 }

@@ -11,15 +11,11 @@ use blocksim_block::prelude::*;
 #[block(category = "Discrete", symbol = Curve(Hold))]
 pub struct ZeroOrderHold {
     /// Sample time, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
 }
 
 impl Block for ZeroOrderHold {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         Ok(Interface::new().input(Input::any("u")).output(Output::like("y", u)).sampled(self.ts))
@@ -48,6 +44,6 @@ mod tests {
     fn the_unit_stays_and_a_negative_sample_time_is_refused() {
         let block = ZeroOrderHold { ts: -1.0 };
         assert_eq!(output_unit(&block, &[("u", "A")], &[]), "A");
-        assert_eq!(block.check().unwrap_err().param, "ts");
+        assert_eq!(block.errors()[0].param, "ts");
     }
 }

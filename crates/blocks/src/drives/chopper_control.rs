@@ -16,26 +16,17 @@ use blocksim_block::prelude::*;
 #[block(category = "Drives", symbol = Curve(Relay))]
 pub struct ChopperControl {
     /// Voltage at which the chopper is turned on.
-    #[block(unit = "V")]
+    #[block(unit = "V", finite)]
     pub on_at: f64,
     /// Voltage at which it is turned off; less than `on_at`.
-    #[block(unit = "V")]
+    #[block(
+        unit = "V", finite, below = on_at,
+        remedy = "without a distance between them the chopper switches without end",
+    )]
     pub off_at: f64,
 }
 
 impl Block for ChopperControl {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("on_at", self.on_at)?;
-        finite("off_at", self.off_at)?;
-        if self.off_at >= self.on_at {
-            let message =
-                format!("`off_at` ({} V) must be less than `on_at` ({} V)", self.off_at, self.on_at);
-            return Err(ParamError::new("off_at", message)
-                .help("without a distance between them the chopper switches without end"));
-        }
-        Ok(())
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         Ok(Interface::new()
             .input(Input::real("vdc").scalar().unit("V").doc("voltage of the DC link"))
@@ -75,8 +66,8 @@ mod tests {
 
     #[test]
     fn the_points_keep_a_distance() {
-        let error = ChopperControl { off_at: 700.0, ..CHOPPER }.check().unwrap_err();
+        let error = ChopperControl { off_at: 700.0, ..CHOPPER }.errors()[0].clone();
         assert_eq!(error.param, "off_at");
-        assert_eq!(ChopperControl { on_at: f64::INFINITY, ..CHOPPER }.check().unwrap_err().param, "on_at");
+        assert_eq!(ChopperControl { on_at: f64::INFINITY, ..CHOPPER }.errors()[0].param, "on_at");
     }
 }

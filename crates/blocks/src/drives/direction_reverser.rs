@@ -17,10 +17,10 @@ use blocksim_block::prelude::*;
 #[block(category = "Drives", symbol = Text("±, |u|"))]
 pub struct DirectionReverser {
     /// Distance $h$ from zero, in the unit of the input, that the command must pass to change the direction.
-    #[block(default = 1e-3)]
+    #[block(not_negative, default = 1e-3)]
     pub hysteresis: f64,
     /// Shortest time between two changes of the direction.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", not_negative, default = 0.0)]
     pub hold: f64,
 }
 
@@ -34,11 +34,6 @@ const DIRECTIONS: &[Change] =
     &[Change::to(1.0, "reverses the phases"), Change::to(0.0, "restores the phases")];
 
 impl Block for DirectionReverser {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("hysteresis", self.hysteresis)?;
-        not_negative("hold", self.hold)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u").dimension;
         let unit = parameters_like(given, "u", u, &["hysteresis"])?;
@@ -154,10 +149,7 @@ mod tests {
         let interface = REVERSER.interface(&given(&[("u", "V")], &[("hysteresis", "mV")])).unwrap();
         assert_eq!(interface.outputs[1].port_type.dimension, Some(dimension("V")));
         assert!(REVERSER.interface(&given(&[("u", "V")], &[("hysteresis", "A")])).is_err());
-        assert_eq!(
-            DirectionReverser { hysteresis: -1.0, ..REVERSER }.check().unwrap_err().param,
-            "hysteresis"
-        );
-        assert_eq!(DirectionReverser { hold: f64::NAN, ..REVERSER }.check().unwrap_err().param, "hold");
+        assert_eq!(DirectionReverser { hysteresis: -1.0, ..REVERSER }.errors()[0].param, "hysteresis");
+        assert_eq!(DirectionReverser { hold: f64::NAN, ..REVERSER }.errors()[0].param, "hold");
     }
 }

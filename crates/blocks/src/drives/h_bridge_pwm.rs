@@ -22,7 +22,7 @@ use super::switching::{self, GATES};
 #[block(category = "Drives", symbol = Curve(Modulation))]
 pub struct HBridgePwm {
     /// Periods of the carrier per second, positive.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", positive, remedy = "drives switch at 2 kHz to 20 kHz")]
     pub switching_frequency: f64,
     /// `Bipolar` or `Unipolar`.
     #[block(default = Scheme::Unipolar)]
@@ -31,7 +31,7 @@ pub struct HBridgePwm {
     #[block(default = Sampling::Symmetric)]
     pub sampling: Sampling,
     /// For how long both switches of a leg are off when it turns; less than half of a period.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", not_negative, default = 0.0)]
     pub dead_time: f64,
 }
 
@@ -62,13 +62,13 @@ impl HBridgePwm {
             Scheme::Unipolar => 2,
         }
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        switching::validate(self.switching_frequency, self.dead_time, errors);
+    }
 }
 
 impl Block for HBridgePwm {
-    fn check(&self) -> Result<(), ParamError> {
-        switching::check(self.switching_frequency, self.dead_time)
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let interface = Interface::new()
             .input(Input::real("m").scalar().unit("1").doc("voltage over that of the DC link, -1 to 1"))
@@ -182,9 +182,9 @@ mod tests {
     fn parameters_without_meaning_are_refused() {
         let good = pwm(Scheme::Bipolar, 0.0);
         assert_eq!(
-            HBridgePwm { switching_frequency: 0.0, ..good.clone() }.check().unwrap_err().param,
+            HBridgePwm { switching_frequency: 0.0, ..good.clone() }.errors()[0].param,
             "switching_frequency"
         );
-        assert_eq!(HBridgePwm { dead_time: PERIOD, ..good }.check().unwrap_err().param, "dead_time");
+        assert_eq!(HBridgePwm { dead_time: PERIOD, ..good }.errors()[0].param, "dead_time");
     }
 }

@@ -19,7 +19,7 @@ use super::transforms;
 #[block(category = "Drives", symbol = Text("û, f → abc"))]
 pub struct PhaseReference {
     /// Angle at the start.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub theta0: f64,
 }
 
@@ -27,10 +27,6 @@ const V: usize = 0;
 const F: usize = 1;
 
 impl Block for PhaseReference {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("theta0", self.theta0)
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let abc = Output::like("abc", PortType::vector(3)).unit("V").doc("phase voltages a, b, c");
         Ok(Interface::new()
@@ -83,6 +79,6 @@ mod tests {
         let interface = Bench::new(PhaseReference { theta0: 0.0 }).interface;
         assert!(interface.reads(0, V) && !interface.reads(0, F));
         assert!(!interface.reads(1, V) && !interface.reads(1, F));
-        assert_eq!(PhaseReference { theta0: f64::NAN }.check().unwrap_err().param, "theta0");
+        assert_eq!(PhaseReference { theta0: f64::NAN }.errors()[0].param, "theta0");
     }
 }

@@ -36,7 +36,7 @@ use super::switching;
 #[block(category = "Drives", symbol = Curve(Modulation))]
 pub struct PwmGenerator {
     /// Periods of the carrier per second, positive.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", positive, remedy = "drives switch at 2 kHz to 20 kHz")]
     pub switching_frequency: f64,
     /// `Sine`, `SpaceVector`, `Discontinuous60`, `Discontinuous60Leading`, `Discontinuous60Lagging`,
     /// `Discontinuous30`, `Discontinuous120Upper` or `Discontinuous120Lower`.
@@ -46,7 +46,7 @@ pub struct PwmGenerator {
     #[block(default = Sampling::Symmetric)]
     pub sampling: Sampling,
     /// For how long both switches of a leg are off when it turns; less than half of a period.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", not_negative, default = 0.0)]
     pub dead_time: f64,
 }
 
@@ -64,13 +64,13 @@ impl PwmGenerator {
             dead_time: self.dead_time,
         }
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        switching::validate(self.switching_frequency, self.dead_time, errors);
+    }
 }
 
 impl Block for PwmGenerator {
-    fn check(&self) -> Result<(), ParamError> {
-        switching::check(self.switching_frequency, self.dead_time)
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let three = PortType::vector(3);
         let interface = Interface::new()
@@ -235,13 +235,13 @@ mod tests {
     #[test]
     fn parameters_without_meaning_are_refused() {
         for frequency in [0.0, -1.0, f64::INFINITY, f64::NAN] {
-            let error = PwmGenerator { switching_frequency: frequency, ..PWM }.check().unwrap_err();
+            let error = PwmGenerator { switching_frequency: frequency, ..PWM }.errors()[0].clone();
             assert_eq!(error.param, "switching_frequency");
         }
         for dead_time in [-1e-6, 1e-4, f64::NAN] {
-            let error = PwmGenerator { dead_time, ..PWM }.check().unwrap_err();
+            let error = PwmGenerator { dead_time, ..PWM }.errors()[0].clone();
             assert_eq!(error.param, "dead_time");
         }
-        assert!(PwmGenerator { dead_time: 0.9e-4, ..PWM }.check().is_ok());
+        assert!(PwmGenerator { dead_time: 0.9e-4, ..PWM }.errors().is_empty());
     }
 }

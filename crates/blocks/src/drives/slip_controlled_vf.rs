@@ -26,15 +26,20 @@ use crate::continuous::{AntiWindup, Form, Pid, PidLaw, Reset};
 #[block(category = "Drives", symbol = Text("V/f, slip"))]
 pub struct SlipControlledVf {
     /// Pole pairs $N$ of the machine, at least 1.
+    #[block(at_least = 1, zero = "a machine of 50 Hz that runs at 1500 rpm without load has 2")]
     pub pole_pairs: u32,
     /// Proportional gain $k_p$: slip frequency for an error of the speed.
-    #[block(unit = "Hz*s/rad")]
+    #[block(unit = "Hz*s/rad", not_negative)]
     pub kp: f64,
     /// Integral gain $k_i$.
-    #[block(unit = "Hz/rad", default = 0.0)]
+    #[block(unit = "Hz/rad", not_negative, default = 0.0)]
     pub ki: f64,
     /// Largest slip frequency, motoring and generating.
-    #[block(unit = "Hz")]
+    #[block(
+        unit = "Hz",
+        positive,
+        remedy = "without slip there is no torque: take the slip frequency of the rated point"
+    )]
     pub slip_limit: f64,
 }
 
@@ -66,21 +71,6 @@ impl SlipControlledVf {
 }
 
 impl Block for SlipControlledVf {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.pole_pairs == 0 {
-            return Err(ParamError::new(
-                "pole_pairs",
-                "`pole_pairs` is 0, but a machine has at least one pair of poles",
-            )
-            .help("a machine of 50 Hz that runs at 1500 rpm without load has 2"));
-        }
-        not_negative("kp", self.kp)?;
-        not_negative("ki", self.ki)?;
-        positive("slip_limit", self.slip_limit).map_err(|error| {
-            error.help("without slip there is no torque: take the slip frequency of the rated point")
-        })
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let pi = self.pi().interface(&Given::nothing())?;
         Ok(Interface {
@@ -141,11 +131,11 @@ mod tests {
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        let refused = |control: SlipControlledVf| control.check().unwrap_err().param;
+        let refused = |control: SlipControlledVf| control.errors()[0].param.clone();
         assert_eq!(refused(SlipControlledVf { pole_pairs: 0, ..CONTROL }), "pole_pairs");
         assert_eq!(refused(SlipControlledVf { kp: -1.0, ..CONTROL }), "kp");
         assert_eq!(refused(SlipControlledVf { ki: f64::NAN, ..CONTROL }), "ki");
         assert_eq!(refused(SlipControlledVf { slip_limit: 0.0, ..CONTROL }), "slip_limit");
-        assert!(SlipControlledVf { kp: 0.0, ki: 0.0, ..CONTROL }.check().is_ok());
+        assert!(SlipControlledVf { kp: 0.0, ki: 0.0, ..CONTROL }.errors().is_empty());
     }
 }

@@ -28,6 +28,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Drives", symbol = Text("steps"))]
 pub struct StepperDriver {
     /// Command of a phase that conducts fully, $A$; the outputs have its unit.
+    #[block(finite)]
     pub amplitude: f64,
     /// `Wave`, `Full`, `Half` or `Micro(..)`.
     #[block(default = Drive::Full)]
@@ -109,25 +110,24 @@ impl StepperDriver {
     fn wanted<'r>(&self, angle: Value<'r>, teeth: u32) -> Value<'r> {
         angle * f64::from(teeth) * f64::from(self.drive.positions()) / FRAC_PI_2 - self.drive.ahead()
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        if self.drive == Drive::Micro(0) {
+            errors.add(
+                ParamError::new("drive", "`Micro(0)` leaves no position to go to")
+                    .help("write the microsteps in a full step: `Micro(16)`"),
+            );
+        }
+        if self.command == (Command::Angle { teeth: 0 }) {
+            errors.add(
+                ParamError::new("command.teeth", "`teeth` is 0, but the rotor of a stepper motor has teeth")
+                    .help("90 degrees over the step angle: 50 for steps of 1.8 degrees"),
+            );
+        }
+    }
 }
 
 impl Block for StepperDriver {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("amplitude", self.amplitude)?;
-        if self.drive == Drive::Micro(0) {
-            return Err(ParamError::new("drive", "`Micro(0)` leaves no position to go to")
-                .help("write the microsteps in a full step: `Micro(16)`"));
-        }
-        if self.command == (Command::Angle { teeth: 0 }) {
-            return Err(ParamError::new(
-                "command",
-                "`teeth` is 0, but the rotor of a stepper motor has teeth",
-            )
-            .help("90 degrees over the step angle: 50 for steps of 1.8 degrees"));
-        }
-        Ok(())
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let phase = |name| Output::real(name).dimension(Some(given.parameters.get("amplitude")));
         let interface = match self.command {
@@ -263,9 +263,12 @@ mod tests {
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        let refused = |driver: StepperDriver| driver.check().unwrap_err().param;
+        let refused = |driver: StepperDriver| driver.errors()[0].param.clone();
         assert_eq!(refused(StepperDriver { drive: Drive::Micro(0), ..DRIVER }), "drive");
-        assert_eq!(refused(StepperDriver { command: Command::Angle { teeth: 0 }, ..DRIVER }), "command");
+        assert_eq!(
+            refused(StepperDriver { command: Command::Angle { teeth: 0 }, ..DRIVER }),
+            "command.teeth"
+        );
         assert_eq!(refused(StepperDriver { amplitude: f64::NAN, ..DRIVER }), "amplitude");
     }
 }

@@ -1,4 +1,4 @@
-//! What the blocks that make gates have in common: checks of parameters, the output of gates, memory.
+//! What the blocks that make gates have in common: what their times must be, the output of gates, memory.
 
 use blocksim_block::prelude::*;
 
@@ -7,21 +7,15 @@ use super::modulation::{Modulator, Sampling};
 /// The output of the gates, which comes first.
 pub(super) const GATES: usize = 0;
 
-/// Checks a switching frequency, Hz, and a dead time, s.
-///
-/// # Errors
-/// A frequency that is not positive; a dead time that is negative or leaves no room for pulses.
-pub(super) fn check(switching_frequency: f64, dead_time: f64) -> Result<(), ParamError> {
-    positive("switching_frequency", switching_frequency)
-        .map_err(|error| error.help("drives switch at 2 kHz to 20 kHz"))?;
-    not_negative("dead_time", dead_time)?;
+/// Reports a dead time, s, that leaves no room for pulses of this frequency, Hz.
+pub(super) fn validate(switching_frequency: f64, dead_time: f64, errors: &mut ParamErrors) {
     let half = 0.5 / switching_frequency;
     if dead_time >= half {
         let message =
             format!("`dead_time` is {dead_time} s, but must be less than half of a period, {half} s");
-        return Err(ParamError::new("dead_time", message).help("usual are 0.5 us to 5 us"));
+        let error = ParamError::new("dead_time", message).beside(&["switching_frequency"]);
+        errors.add(error.help("usual are 0.5 us to 5 us"));
     }
-    Ok(())
 }
 
 /// The output `gates` with this many truth values.

@@ -17,30 +17,22 @@ use blocksim_block::prelude::*;
 #[block(category = "Drives", symbol = Text("V/f"))]
 pub struct VoltsPerHertz {
     /// Rated voltage of the machine, RMS from line to line.
-    #[block(unit = "V")]
+    #[block(unit = "V", not_negative)]
     pub v_rated: f64,
     /// Rated frequency of the machine.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", positive)]
     pub f_rated: f64,
     /// Share of the rated voltage at standstill, 0 to 1.
-    #[block(default = 0.0)]
+    #[block(
+        at_least = 0.0,
+        at_most = 1.0,
+        default = 0.0,
+        remedy = "divide the voltage at standstill by the rated voltage"
+    )]
     pub boost: f64,
 }
 
 impl Block for VoltsPerHertz {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("v_rated", self.v_rated)?;
-        positive("f_rated", self.f_rated)?;
-        if !(0.0..=1.0).contains(&self.boost) {
-            return Err(ParamError::new(
-                "boost",
-                format!("`boost` is {}, but must be a share from 0 to 1", self.boost),
-            )
-            .help("divide the voltage at standstill by the rated voltage"));
-        }
-        Ok(())
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         Ok(Interface::new()
             .input(Input::real("f").scalar().unit("Hz").doc("frequency; its sign does not matter"))
@@ -73,9 +65,6 @@ mod tests {
 
     #[test]
     fn a_boost_is_a_share() {
-        assert_eq!(
-            VoltsPerHertz { v_rated: 220.0, f_rated: 60.0, boost: 12.0 }.check().unwrap_err().param,
-            "boost"
-        );
+        assert_eq!(VoltsPerHertz { v_rated: 220.0, f_rated: 60.0, boost: 12.0 }.errors()[0].param, "boost");
     }
 }

@@ -15,12 +15,13 @@ use crate::three_phase::three_phase_source::longest_step;
 #[block(category = "Electrical", symbol = AcSource)]
 pub struct AcVoltageSource {
     /// `Peak("325 V")` or `Rms("230 V")`.
+    #[block(not_negative)]
     pub amplitude: Amplitude,
     /// Frequency.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", not_negative)]
     pub frequency: f64,
     /// Angle at the start; 90 degrees for a cosine.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub phase: f64,
 }
 
@@ -33,6 +34,13 @@ pub enum Amplitude {
     Rms(#[serde(deserialize_with = "in_unit::voltage")] f64),
 }
 
+impl Inspect for Amplitude {
+    fn numbers(&self, place: &mut Vec<usize>, see: &mut dyn FnMut(&[usize], f64)) {
+        let (Amplitude::Peak(v) | Amplitude::Rms(v)) = self;
+        see(place, *v);
+    }
+}
+
 impl Amplitude {
     /// Largest value, V.
     pub fn peak(self) -> f64 {
@@ -40,18 +48,6 @@ impl Amplitude {
             Amplitude::Peak(v) => v,
             Amplitude::Rms(v) => SQRT_2 * v,
         }
-    }
-}
-
-impl Block for AcVoltageSource {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("amplitude", self.amplitude.peak())?;
-        not_negative("frequency", self.frequency)?;
-        finite("phase", self.phase)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 

@@ -1,8 +1,6 @@
 use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
-use crate::multibody::axis::finite_start;
-
 /// Capacitor: $i = C \frac{dv}{dt}$. Its voltage is a state.
 ///
 /// In a loop of capacitors and ideal voltages the voltages depend on each other: the charges of the nodes are then what is
@@ -17,25 +15,11 @@ use crate::multibody::axis::finite_start;
 #[block(category = "Electrical", symbol = Capacitor)]
 pub struct Capacitor {
     /// Capacitance, positive.
-    #[block(unit = "F")]
+    #[block(unit = "F", positive, zero = "without capacitance it connects nothing: leave it out")]
     pub c: f64,
     /// Voltage at the start, from `p` to `n`. Where none is given it follows from ideal voltages around it, else zero.
-    #[block(unit = "V", default = None)]
+    #[block(unit = "V", finite, default = None)]
     pub v0: Option<f64>,
-}
-
-impl Block for Capacitor {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("c", self.c).map_err(|error| match self.c {
-            0.0 => error.help("without capacitance it connects nothing: leave it out"),
-            _ => error,
-        })?;
-        finite_start("v0", self.v0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for Capacitor {

@@ -14,12 +14,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = CurrentSource)]
 pub struct ControlledCurrentSource;
 
-impl Block for ControlledCurrentSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for ControlledCurrentSource {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -13,12 +13,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = VoltageSource)]
 pub struct ControlledVoltageSource;
 
-impl Block for ControlledVoltageSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for ControlledVoltageSource {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = Meter("A"))]
 pub struct CurrentSensor;
 
-impl Block for CurrentSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for CurrentSensor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = Ground)]
 pub struct ElectricalReference;
 
-impl Block for ElectricalReference {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for ElectricalReference {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

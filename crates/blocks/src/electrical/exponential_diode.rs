@@ -25,19 +25,19 @@ const CHARGE: f64 = 1.602_176_634e-19;
 #[block(category = "Electrical", symbol = Diode)]
 pub struct ExponentialDiode {
     /// Saturation current, positive.
-    #[block(unit = "A", default = 1e-14)]
+    #[block(unit = "A", positive, default = 1e-14)]
     pub i_s: f64,
     /// Emission coefficient (ideality factor), positive.
-    #[block(default = 1.0)]
+    #[block(positive, default = 1.0)]
     pub n: f64,
     /// Temperature of the junction, which the thermal voltage follows from.
-    #[block(unit = "K", default = 300.15)]
+    #[block(unit = "K", positive, default = 300.15)]
     pub temperature: f64,
     /// Series resistance; zero for none.
-    #[block(unit = "ohm", default = 0.0)]
+    #[block(unit = "ohm", not_negative, default = 0.0)]
     pub r_s: f64,
     /// Conductance of the leakage; zero for none.
-    #[block(unit = "S", default = 1e-12)]
+    #[block(unit = "S", not_negative, default = 1e-12)]
     pub g: f64,
 }
 
@@ -45,20 +45,6 @@ impl ExponentialDiode {
     /// Voltage over which the current grows by e, V.
     fn scale(&self) -> f64 {
         self.n * BOLTZMANN * self.temperature / CHARGE
-    }
-}
-
-impl Block for ExponentialDiode {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("i_s", self.i_s)?;
-        positive("n", self.n)?;
-        positive("temperature", self.temperature)?;
-        not_negative("r_s", self.r_s)?;
-        not_negative("g", self.g)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -123,10 +109,10 @@ mod tests {
 
     #[test]
     fn what_is_no_diode_is_refused() {
-        assert_eq!(ExponentialDiode { i_s: 0.0, ..DIODE }.check().unwrap_err().param, "i_s");
-        assert_eq!(ExponentialDiode { n: -1.0, ..DIODE }.check().unwrap_err().param, "n");
-        assert_eq!(ExponentialDiode { temperature: 0.0, ..DIODE }.check().unwrap_err().param, "temperature");
-        assert_eq!(ExponentialDiode { r_s: -1.0, ..DIODE }.check().unwrap_err().param, "r_s");
-        assert_eq!(ExponentialDiode { g: f64::NAN, ..DIODE }.check().unwrap_err().param, "g");
+        assert_eq!(ExponentialDiode { i_s: 0.0, ..DIODE }.errors()[0].param, "i_s");
+        assert_eq!(ExponentialDiode { n: -1.0, ..DIODE }.errors()[0].param, "n");
+        assert_eq!(ExponentialDiode { temperature: 0.0, ..DIODE }.errors()[0].param, "temperature");
+        assert_eq!(ExponentialDiode { r_s: -1.0, ..DIODE }.errors()[0].param, "r_s");
+        assert_eq!(ExponentialDiode { g: f64::NAN, ..DIODE }.errors()[0].param, "g");
     }
 }

@@ -14,24 +14,12 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = Transformer)]
 pub struct IdealTransformer {
     /// Turns of the first winding over turns of the second; negative for the other sense.
-    #[block(unit = "1")]
+    #[block(
+        unit = "1",
+        not_zero,
+        zero = "write the turns of the first winding over those of the second, negative for the other sense"
+    )]
     pub ratio: f64,
-}
-
-impl Block for IdealTransformer {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("ratio", self.ratio)?;
-        if self.ratio == 0.0 {
-            return Err(ParamError::new("ratio", "`ratio` is 0, but the first winding has turns").help(
-                "write the turns of the first winding over those of the second, negative for the other sense",
-            ));
-        }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for IdealTransformer {

@@ -13,25 +13,11 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = Inductor)]
 pub struct Inductor {
     /// Inductance, positive.
-    #[block(unit = "H")]
+    #[block(unit = "H", positive, zero = "without inductance it is a wire: join the two nodes instead")]
     pub l: f64,
     /// Current at the start, from `p` to `n`. Where none is given it follows from the inductances in series with it, else zero.
-    #[block(unit = "A", default = None)]
+    #[block(unit = "A", finite, default = None)]
     pub i0: Option<f64>,
-}
-
-impl Block for Inductor {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("l", self.l).map_err(|error| match self.l {
-            0.0 => error.help("without inductance it is a wire: join the two nodes instead"),
-            _ => error,
-        })?;
-        finite("i0", self.i0.unwrap_or(0.0))
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for Inductor {

@@ -17,19 +17,24 @@ use super::coupled::Coupled;
 #[block(category = "Electrical", symbol = Transformer)]
 pub struct MutualInductance {
     /// Inductance of the first coil while the other is open, positive.
-    #[block(unit = "H")]
+    #[block(unit = "H", positive)]
     pub l1: f64,
     /// Inductance of the second coil while the other is open, positive.
-    #[block(unit = "H")]
+    #[block(unit = "H", positive)]
     pub l2: f64,
     /// Coupling factor, from 0 (none) to less than 1 (no leakage).
-    #[block(unit = "1")]
+    #[block(
+        unit = "1",
+        not_negative,
+        below = 1.0,
+        remedy = "coils without leakage are an IdealTransformer beside an Inductor"
+    )]
     pub k: f64,
     /// Current of the first coil at the start.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i1_0: f64,
     /// Current of the second coil at the start.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i2_0: f64,
 }
 
@@ -37,25 +42,6 @@ impl MutualInductance {
     fn coils(&self) -> Coupled {
         let mutual = self.k * (self.l1 * self.l2).sqrt();
         Coupled { own: [self.l1, self.l2], mutual, r: [0.0; 2] }
-    }
-}
-
-impl Block for MutualInductance {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("l1", self.l1)?;
-        positive("l2", self.l2)?;
-        not_negative("k", self.k)?;
-        if self.k >= 1.0 {
-            let message = format!("`k` is {}, but must be less than 1", self.k);
-            return Err(ParamError::new("k", message)
-                .help("coils without leakage are an IdealTransformer beside an Inductor"));
-        }
-        finite("i1_0", self.i1_0)?;
-        finite("i2_0", self.i2_0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -97,9 +83,9 @@ mod tests {
     #[test]
     fn a_coupling_without_leakage_is_refused_with_advice() {
         let coils = MutualInductance { l1: 1.0, l2: 1.0, k: 1.0, i1_0: 0.0, i2_0: 0.0 };
-        let error = coils.check().unwrap_err();
+        let error = coils.errors()[0].clone();
         assert!(error.param == "k" && error.help.is_some());
-        assert_eq!(MutualInductance { k: 0.0, ..coils.clone() }.check(), Ok(()));
-        assert_eq!(MutualInductance { l2: 0.0, ..coils }.check().unwrap_err().param, "l2");
+        assert_eq!(MutualInductance { k: 0.0, ..coils.clone() }.errors()[..], []);
+        assert_eq!(MutualInductance { l2: 0.0, ..coils }.errors()[0].param, "l2");
     }
 }

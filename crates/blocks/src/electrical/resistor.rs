@@ -17,16 +17,16 @@ const HEAT: Handle = Handle::new("heat");
 #[block(category = "Electrical", symbol = Resistor)]
 pub struct Resistor {
     /// Resistance, positive: for zero use a wire (join the pins), for infinity nothing.
-    #[block(unit = "Ohm")]
+    #[block(unit = "Ohm", positive, zero = "a resistance of zero is a wire: join the two nodes instead")]
     pub r: f64,
     /// Has the thermal port `h`.
     #[block(default = false)]
     pub heat_port: bool,
     /// Temperature coefficient of the resistance; 3.93e-3 1/K for copper. With `heat_port` only.
-    #[block(unit = "1/K", default = 0.0)]
+    #[block(unit = "1/K", finite, default = 0.0)]
     pub alpha: f64,
     /// Temperature at which the resistance is `r`.
-    #[block(unit = "K", default = 293.15)]
+    #[block(unit = "K", positive, default = 293.15)]
     pub t_ref: f64,
 }
 
@@ -36,25 +36,14 @@ impl Resistor {
         let r = self.r * (1.0 + self.alpha * (t - self.t_ref));
         (if r > 0.0 { r } else { f64::NAN }, self.r * self.alpha)
     }
-}
 
-impl Block for Resistor {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("r", self.r).map_err(|error| match self.r {
-            0.0 => error.help("a resistance of zero is a wire: join the two nodes instead"),
-            _ => error,
-        })?;
-        finite("alpha", self.alpha)?;
-        positive("t_ref", self.t_ref)?;
+    fn validate(&self, errors: &mut ParamErrors) {
         if self.alpha != 0.0 && !self.heat_port {
-            return Err(ParamError::new("alpha", "has no effect without a temperature")
-                .help("add `heat_port: true` and connect `h`, or leave `alpha` out"));
+            errors.add(
+                ParamError::new("alpha", "`alpha` has no effect without a temperature")
+                    .help("add `heat_port: true` and connect `h`, or leave `alpha` out"),
+            );
         }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -114,10 +103,10 @@ mod tests {
 
     #[test]
     fn resistances_that_are_none_are_refused() {
-        assert!(Resistor { r: -1.0, ..PLAIN }.check().is_err());
-        assert!(Resistor { r: 0.0, ..PLAIN }.check().unwrap_err().help.is_some());
-        assert_eq!(Resistor { alpha: 4e-3, ..PLAIN }.check().unwrap_err().param, "alpha");
-        assert_eq!(WARM.check(), Ok(()));
+        assert!(!Resistor { r: -1.0, ..PLAIN }.errors().is_empty());
+        assert!(Resistor { r: 0.0, ..PLAIN }.errors()[0].help.is_some());
+        assert_eq!(Resistor { alpha: 4e-3, ..PLAIN }.errors()[0].param, "alpha");
+        assert_eq!(WARM.errors()[..], []);
     }
 
     #[test]

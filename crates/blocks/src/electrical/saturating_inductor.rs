@@ -18,16 +18,19 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = Inductor)]
 pub struct SaturatingInductor {
     /// Inductance of small currents, at least `l_s`.
-    #[block(unit = "H")]
+    #[block(unit = "H", positive)]
     pub l0: f64,
     /// Inductance of large currents, positive.
-    #[block(unit = "H")]
+    #[block(
+        unit = "H", positive, at_most = l0,
+        remedy = "a core that saturates loses inductance: are the two exchanged?",
+    )]
     pub l_s: f64,
     /// Current of the knee, positive: 42 % of the change of the inductance are gone there.
-    #[block(unit = "A")]
+    #[block(unit = "A", positive)]
     pub i_s: f64,
     /// Current at the start, from `p` to `n`.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i0: f64,
 }
 
@@ -61,30 +64,6 @@ impl SaturatingInductor {
             i = if newton > low.min(high) && newton < low.max(high) { newton } else { 0.5 * (low + high) };
         }
         i
-    }
-}
-
-impl Block for SaturatingInductor {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("l0", self.l0)?;
-        positive("l_s", self.l_s)?;
-        positive("i_s", self.i_s)?;
-        finite("i0", self.i0)?;
-        if self.l_s > self.l0 {
-            return Err(ParamError::new(
-                "l_s",
-                format!(
-                    "`l_s` ({} H) is above `l0` ({} H), but a core that saturates loses inductance",
-                    self.l_s, self.l0
-                ),
-            )
-            .help("exchange the two"));
-        }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -163,8 +142,8 @@ mod tests {
 
     #[test]
     fn what_gains_inductance_is_refused() {
-        assert!(SaturatingInductor { l_s: 20e-3, ..COIL }.check().unwrap_err().help.is_some());
-        assert_eq!(SaturatingInductor { i_s: 0.0, ..COIL }.check().unwrap_err().param, "i_s");
-        assert_eq!(COIL.check(), Ok(()));
+        assert!(SaturatingInductor { l_s: 20e-3, ..COIL }.errors()[0].help.is_some());
+        assert_eq!(SaturatingInductor { i_s: 0.0, ..COIL }.errors()[0].param, "i_s");
+        assert_eq!(COIL.errors()[..], []);
     }
 }

@@ -19,22 +19,26 @@ use super::coupled::Coupled;
 #[block(category = "Electrical", symbol = Transformer)]
 pub struct Transformer {
     /// Turns of the first winding over turns of the second; negative for the other sense.
-    #[block(unit = "1")]
+    #[block(
+        unit = "1",
+        not_zero,
+        zero = "write the turns of the first winding over those of the second, negative for the other sense"
+    )]
     pub ratio: f64,
     /// Magnetising inductance as seen from the first winding, positive.
-    #[block(unit = "H")]
+    #[block(unit = "H", positive)]
     pub l_m: f64,
     /// Leakage of the first winding; one of both leakages may be zero.
-    #[block(unit = "H")]
+    #[block(unit = "H", not_negative)]
     pub l1: f64,
     /// Leakage of the second winding.
-    #[block(unit = "H")]
+    #[block(unit = "H", not_negative)]
     pub l2: f64,
     /// Resistance of the first winding.
-    #[block(unit = "Ohm", default = 0.0)]
+    #[block(unit = "Ohm", not_negative, default = 0.0)]
     pub r1: f64,
     /// Resistance of the second winding.
-    #[block(unit = "Ohm", default = 0.0)]
+    #[block(unit = "Ohm", not_negative, default = 0.0)]
     pub r2: f64,
 }
 
@@ -43,33 +47,15 @@ impl Transformer {
         let (n, l_m) = (self.ratio, self.l_m);
         Coupled { own: [self.l1 + l_m, self.l2 + l_m / (n * n)], mutual: l_m / n, r: [self.r1, self.r2] }
     }
-}
 
-impl Block for Transformer {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("ratio", self.ratio)?;
-        if self.ratio == 0.0 {
-            return Err(ParamError::new("ratio", "`ratio` is 0, but the first winding has turns").help(
-                "write the turns of the first winding over those of the second, negative for the other sense",
-            ));
-        }
-        positive("l_m", self.l_m)?;
-        not_negative("l1", self.l1)?;
-        not_negative("l2", self.l2)?;
-        not_negative("r1", self.r1)?;
-        not_negative("r2", self.r2)?;
+    fn validate(&self, errors: &mut ParamErrors) {
         let relative = self.l1 / self.l_m + self.l2 * self.ratio * self.ratio / self.l_m;
         if relative < 1e-9 {
             let message = "`l1` and `l2` are zero against `l_m`: the two currents are no states of their own";
-            return Err(ParamError::new("l1", message).help(
-                "give one winding a leakage of some percent, or use an IdealTransformer beside an Inductor",
-            ));
+            let help =
+                "give one winding a leakage of some percent, or use an IdealTransformer beside an Inductor";
+            errors.add(ParamError::new("l1", message).beside(&["l2", "ratio", "l_m"]).help(help));
         }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -113,9 +99,9 @@ mod tests {
     #[test]
     fn leakage_is_needed_on_one_side_only() {
         let both = Transformer { ratio: 10.0, l_m: 2.0, l1: 5e-3, l2: 5e-5, r1: 0.0, r2: 0.0 };
-        assert_eq!(Transformer { l1: 0.0, ..both.clone() }.check(), Ok(()));
-        assert_eq!(Transformer { l2: 0.0, ..both.clone() }.check(), Ok(()));
-        assert!(Transformer { l1: 0.0, l2: 0.0, ..both.clone() }.check().unwrap_err().help.is_some());
-        assert_eq!(Transformer { ratio: 0.0, ..both }.check().unwrap_err().param, "ratio");
+        assert_eq!(Transformer { l1: 0.0, ..both.clone() }.errors()[..], []);
+        assert_eq!(Transformer { l2: 0.0, ..both.clone() }.errors()[..], []);
+        assert!(Transformer { l1: 0.0, l2: 0.0, ..both.clone() }.errors()[0].help.is_some());
+        assert_eq!(Transformer { ratio: 0.0, ..both }.errors()[0].param, "ratio");
     }
 }

@@ -18,12 +18,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = Transformer)]
 pub struct VariableTransformer;
 
-impl Block for VariableTransformer {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for VariableTransformer {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

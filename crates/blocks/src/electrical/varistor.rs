@@ -18,30 +18,17 @@ const BODY: Handle = Handle::new("body");
 #[block(category = "Electrical", symbol = Varistor)]
 pub struct Varistor {
     /// Voltage at the current `i_1`, positive.
-    #[block(unit = "V")]
+    #[block(unit = "V", positive)]
     pub v_1: f64,
     /// Current at the voltage `v_1`, positive.
-    #[block(unit = "A", default = 1e-3)]
+    #[block(unit = "A", positive, default = 1e-3)]
     pub i_1: f64,
     /// Exponent, at least 1.
-    #[block(default = 30.0)]
+    #[block(at_least = 1.0, default = 30.0)]
     pub alpha: f64,
     /// Resistance of the leakage, positive.
-    #[block(unit = "ohm", default = 1e8)]
+    #[block(unit = "ohm", positive, default = 1e8)]
     pub r: f64,
-}
-
-impl Block for Varistor {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("v_1", self.v_1)?;
-        positive("i_1", self.i_1)?;
-        positive("r", self.r)?;
-        at_least("alpha", self.alpha, 1.0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for Varistor {
@@ -99,8 +86,8 @@ mod tests {
 
     #[test]
     fn what_is_no_varistor_is_refused() {
-        assert_eq!(Varistor { v_1: 0.0, ..VARISTOR }.check().unwrap_err().param, "v_1");
-        assert_eq!(Varistor { alpha: 0.5, ..VARISTOR }.check().unwrap_err().param, "alpha");
-        assert_eq!(Varistor { r: -1.0, ..VARISTOR }.check().unwrap_err().param, "r");
+        assert_eq!(Varistor { v_1: 0.0, ..VARISTOR }.errors()[0].param, "v_1");
+        assert_eq!(Varistor { alpha: 0.5, ..VARISTOR }.errors()[0].param, "alpha");
+        assert_eq!(Varistor { r: -1.0, ..VARISTOR }.errors()[0].param, "r");
     }
 }

@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = Meter("V"))]
 pub struct VoltageSensor;
 
-impl Block for VoltageSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for VoltageSensor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -10,18 +10,8 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = VoltageSource)]
 pub struct VoltageSource {
     /// Voltage.
-    #[block(unit = "V")]
+    #[block(unit = "V", finite)]
     pub v: f64,
-}
-
-impl Block for VoltageSource {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("v", self.v)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for VoltageSource {

@@ -33,8 +33,10 @@ use super::mesh::{Direction, EachWay};
 #[block(category = "Gears", symbol = WaveGear)]
 pub struct CycloidalDrive {
     /// Lobes of the disc.
+    #[block(at_least = 1, zero = "a disc has lobes")]
     pub disc_teeth: u32,
     /// Pins of the ring, more than lobes.
+    #[block(above = disc_teeth, remedy = "for a reduction of `disc_teeth` the ring has one tooth more")]
     pub ring_teeth: u32,
     /// `Reversed` or `Same`.
     #[block(default = Direction::Reversed)]
@@ -49,33 +51,6 @@ impl CycloidalDrive {
     fn ratio(&self) -> f64 {
         self.direction
             .ratio((f64::from(self.ring_teeth) - f64::from(self.disc_teeth)) / f64::from(self.disc_teeth))
-    }
-}
-
-impl Block for CycloidalDrive {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.disc_teeth == 0 {
-            return Err(ParamError::new("disc_teeth", "`disc_teeth` is 0, but a disc has lobes"));
-        }
-        if self.ring_teeth <= self.disc_teeth {
-            return Err(ParamError::new(
-                "ring_teeth",
-                format!(
-                    "`ring_teeth` ({}) must be greater than `disc_teeth` ({})",
-                    self.ring_teeth, self.disc_teeth
-                ),
-            )
-            .help(format!(
-                "for a reduction of {0} write `ring_teeth: {1}`",
-                self.disc_teeth,
-                u64::from(self.disc_teeth) + 1
-            )));
-        }
-        self.losses.mesh().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -119,8 +94,8 @@ mod tests {
 
     #[test]
     fn a_ring_without_more_teeth_than_the_disc_is_refused() {
-        assert_eq!(drive(50, 50).check().unwrap_err().param, "ring_teeth");
-        assert_eq!(drive(0, 50).check().unwrap_err().param, "disc_teeth");
-        assert_eq!(drive(50, 51).check(), Ok(()));
+        assert_eq!(drive(50, 50).errors()[0].param, "ring_teeth");
+        assert_eq!(drive(0, 50).errors()[0].param, "disc_teeth");
+        assert_eq!(drive(50, 51).errors()[..], []);
     }
 }

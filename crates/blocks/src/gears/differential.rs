@@ -21,10 +21,14 @@ use super::mesh::{BothWays, Mesh};
 #[block(category = "Gears", symbol = Differential)]
 pub struct Differential {
     /// Speed of the drive shaft over the mean speed of the outputs, $i$; negative when it reverses.
-    #[block(default = 1.0)]
+    #[block(
+        not_zero,
+        default = 1.0,
+        zero = "the drive shaft would never turn: write 1.0 for a differential without a final drive"
+    )]
     pub ratio: f64,
     /// Efficiency of the wheels in the cage, above 0 and at most 1.
-    #[block(default = 1.0)]
+    #[block(positive, at_most = 1.0, default = 1.0, remedy = "1 means no losses")]
     pub inner_efficiency: f64,
     /// Losses of the final drive; how all of them set in.
     #[block(group)]
@@ -37,21 +41,9 @@ impl Differential {
         let efficiency = ("inner_efficiency", self.inner_efficiency);
         Mesh { forward: efficiency, backward: efficiency, onset: self.losses.onset }
     }
-}
 
-impl Block for Differential {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("ratio", self.ratio)?;
-        if self.ratio == 0.0 {
-            return Err(ParamError::new("ratio", "`ratio` is 0, so the drive shaft would never turn")
-                .help("write 1.0 for a differential without a final drive"));
-        }
-        self.losses.mesh().check()?;
-        self.inner().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.inner().validate(errors);
     }
 }
 
@@ -99,12 +91,12 @@ mod tests {
     #[test]
     fn a_ratio_of_zero_is_refused() {
         let plain = |ratio| Differential { ratio, inner_efficiency: 1.0, losses: BothWays::NONE };
-        let error = plain(0.0).check().unwrap_err();
+        let error = plain(0.0).errors()[0].clone();
         assert_eq!(error.param, "ratio");
         assert!(error.help.is_some());
-        assert!(plain(f64::NAN).check().is_err());
-        assert_eq!(plain(-3.0).check(), Ok(()));
+        assert!(!plain(f64::NAN).errors().is_empty());
+        assert_eq!(plain(-3.0).errors()[..], []);
         let lossy = Differential { inner_efficiency: 0.0, ..plain(3.0) };
-        assert_eq!(lossy.check().unwrap_err().param, "inner_efficiency");
+        assert_eq!(lossy.errors()[0].param, "inner_efficiency");
     }
 }

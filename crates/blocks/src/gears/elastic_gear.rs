@@ -24,24 +24,25 @@ use crate::mechanics::contact::SpringDamper;
 #[block(category = "Gears", symbol = ElasticGear)]
 pub struct ElasticGear {
     /// Teeth of the follower over teeth of the base: the reduction $i$.
+    #[block(positive, remedy = "the sign of the ratio is given by `direction: Reversed` or `Same`")]
     pub ratio: f64,
     /// `Reversed` or `Same`.
     #[block(default = Direction::Reversed)]
     pub direction: Direction,
     /// Stiffness at the follower.
-    #[block(unit = "N*m/rad")]
+    #[block(unit = "N*m/rad", not_negative)]
     pub k: f64,
     /// Damping at the follower.
-    #[block(unit = "N*m*s/rad")]
+    #[block(unit = "N*m*s/rad", not_negative)]
     pub d: f64,
     /// Play at the follower, from one flank to the other.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", not_negative, default = 0.0)]
     pub backlash: f64,
     /// Width over which the contact sets in; with backlash only.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", not_negative, default = 0.0)]
     pub transition: f64,
     /// Twist at the start; zero is the middle of the play.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub phi0: f64,
     /// Its losses.
     #[block(group)]
@@ -52,20 +53,9 @@ impl ElasticGear {
     fn shaft(&self) -> SpringDamper {
         SpringDamper { k: self.k, d: self.d, backlash: self.backlash, transition: self.transition }
     }
-}
 
-impl Block for ElasticGear {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ratio", self.ratio).map_err(|error| {
-            error.help("the sign of the ratio is given by `direction: Reversed` or `Same`")
-        })?;
-        self.shaft().check()?;
-        finite("phi0", self.phi0)?;
-        self.losses.mesh().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.shaft().validate(errors);
     }
 }
 
@@ -139,12 +129,10 @@ mod tests {
         let interface = gear.interface(&Given::nothing()).unwrap();
         let names: Vec<&str> = interface.ports.iter().map(|port| port.name.as_str()).collect();
         assert_eq!(names, ["base", "follower"]);
-        assert_eq!(ElasticGear { ratio: 0.0, ..gear.clone() }.check().unwrap_err().param, "ratio");
-        assert_eq!(ElasticGear { k: -1.0, ..gear.clone() }.check().unwrap_err().param, "k");
+        assert_eq!(ElasticGear { ratio: 0.0, ..gear.clone() }.errors()[0].param, "ratio");
+        assert_eq!(ElasticGear { k: -1.0, ..gear.clone() }.errors()[0].param, "k");
         assert_eq!(
-            ElasticGear { losses: EachWay { efficiency_backward: 0.0, ..EachWay::NONE }, ..gear }
-                .check()
-                .unwrap_err()
+            ElasticGear { losses: EachWay { efficiency_backward: 0.0, ..EachWay::NONE }, ..gear }.errors()[0]
                 .param,
             "efficiency_backward"
         );

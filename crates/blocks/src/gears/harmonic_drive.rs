@@ -23,8 +23,13 @@ use super::mesh::{Direction, EachWay};
 #[block(category = "Gears", symbol = WaveGear)]
 pub struct HarmonicDrive {
     /// Teeth of the flexible spline $n_E$.
+    #[block(at_least = 1, zero = "a spline has teeth")]
     pub flexspline_teeth: u32,
     /// Teeth of the circular spline $n_C$, more than the flexible one has.
+    #[block(
+        above = flexspline_teeth,
+        remedy = "the circular spline surrounds the flexible one and has a few teeth more, mostly two",
+    )]
     pub circular_teeth: u32,
     /// `Reversed` or `Same`.
     #[block(default = Direction::Reversed)]
@@ -39,32 +44,6 @@ impl HarmonicDrive {
     fn ratio(&self) -> f64 {
         let (flexible, circular) = (f64::from(self.flexspline_teeth), f64::from(self.circular_teeth));
         self.direction.ratio((circular - flexible) / flexible)
-    }
-}
-
-impl Block for HarmonicDrive {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.flexspline_teeth == 0 {
-            return Err(ParamError::new(
-                "flexspline_teeth",
-                "`flexspline_teeth` is 0, but a spline has teeth",
-            ));
-        }
-        if self.circular_teeth <= self.flexspline_teeth {
-            return Err(ParamError::new(
-                "circular_teeth",
-                format!(
-                    "`circular_teeth` ({}) must be greater than `flexspline_teeth` ({})",
-                    self.circular_teeth, self.flexspline_teeth
-                ),
-            )
-            .help("the circular spline surrounds the flexible one and has a few teeth more, mostly two"));
-        }
-        self.losses.mesh().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -105,17 +84,16 @@ mod tests {
 
     #[test]
     fn a_circular_spline_without_more_teeth_is_refused() {
-        let error = drive(202, 200).check().unwrap_err();
+        let error = drive(202, 200).errors()[0].clone();
         assert_eq!(error.param, "circular_teeth");
         assert!(error.help.is_some());
-        assert_eq!(drive(0, 2).check().unwrap_err().param, "flexspline_teeth");
+        assert_eq!(drive(0, 2).errors()[0].param, "flexspline_teeth");
         assert_eq!(
             HarmonicDrive { losses: EachWay { efficiency_forward: 1.5, ..EachWay::NONE }, ..drive(200, 202) }
-                .check()
-                .unwrap_err()
+                .errors()[0]
                 .param,
             "efficiency_forward"
         );
-        assert_eq!(drive(200, 202).check(), Ok(()));
+        assert_eq!(drive(200, 202).errors()[..], []);
     }
 }

@@ -31,11 +31,13 @@ use super::mesh::Direction;
 #[block(category = "Gears", symbol = Gear)]
 pub struct LossyGear {
     /// Teeth of the follower over teeth of the base: the reduction $i$.
+    #[block(positive, remedy = "the sign of the ratio is given by `direction: Reversed` or `Same`")]
     pub ratio: f64,
     /// `Reversed` or `Same`.
     #[block(default = Direction::Reversed)]
     pub direction: Direction,
     /// Rows of speed, two efficiencies (above 0 and at most 1) and two bearing torques, by increasing speed.
+    #[block(not_empty, empty = "a gear without losses is (0.0, 1.0, 1.0, 0.0, 0.0)")]
     pub losses: Vec<[f64; 5]>,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
@@ -63,53 +65,37 @@ impl LossyGear {
             bearing: [bearing(3, forward), bearing(4, backward)],
         }
     }
-}
 
-impl Block for LossyGear {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ratio", self.ratio).map_err(|error| {
-            error.help("the sign of the ratio is given by `direction: Reversed` or `Same`")
-        })?;
-        let refuse = |message: String| Err(ParamError::new("losses", message));
-        if self.losses.is_empty() {
-            return Err(ParamError::new("losses", "`losses` has no rows")
-                .help("a gear without losses is (0.0, 1.0, 1.0, 0.0, 0.0)"));
-        }
-        for (i, [speed, forward, backward, bearing_forward, bearing_backward]) in
-            self.losses.iter().copied().enumerate()
+    fn validate(&self, errors: &mut ParamErrors) {
+        let mut before = f64::NEG_INFINITY;
+        for (i, [speed, efficiencies @ .., bearing_forward, bearing_backward]) in
+            self.losses.iter().enumerate()
         {
-            if !(speed >= 0.0 && speed.is_finite()) || (i > 0 && speed <= self.losses[i - 1][0]) {
-                return refuse(format!(
-                    "the speed in row {} is {speed}, but speeds begin at 0 or above and increase",
-                    i + 1
-                ));
+            let mut refuse = |column: usize, message: &str, help: &str| {
+                let error =
+                    ParamError::new(format!("losses[{i}][{column}]"), format!("row {} {message}", i + 1));
+                errors.add(error.help(help));
+            };
+            if !(*speed >= 0.0 && speed.is_finite() && *speed > before) {
+                let message = format!("has the speed {speed}, but speeds begin at 0 or above and increase");
+                refuse(0, &message, "sort the rows by their speed");
             }
-            for efficiency in [forward, backward] {
-                if !(efficiency > 0.0 && efficiency <= 1.0) {
-                    return Err(ParamError::new(
-                        "losses",
-                        format!(
-                            "row {} has the efficiency {efficiency}, but an efficiency lies above 0 and is at most 1",
-                            i + 1
-                        ),
-                    )
-                    .help("for a mesh that locks itself use a WormGear"));
+            before = *speed;
+            for (k, efficiency) in efficiencies.iter().enumerate() {
+                if !(*efficiency > 0.0 && *efficiency <= 1.0) {
+                    let message = format!(
+                        "has the efficiency {efficiency}, but an efficiency lies above 0 and is at most 1"
+                    );
+                    refuse(1 + k, &message, "for a mesh that locks itself use a WormGear");
                 }
             }
-            for torque in [bearing_forward, bearing_backward] {
-                if !(torque >= 0.0 && torque.is_finite()) {
-                    return refuse(format!(
-                        "row {} has the bearing torque {torque}, which must be zero or more",
-                        i + 1
-                    ));
+            for (k, torque) in [bearing_forward, bearing_backward].into_iter().enumerate() {
+                if !(*torque >= 0.0 && torque.is_finite()) {
+                    let message = format!("has the bearing torque {torque}, which must be zero or more");
+                    refuse(3 + k, &message, "write 0 where the bearings take nothing");
                 }
             }
         }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -182,14 +168,14 @@ mod tests {
     #[test]
     fn what_makes_no_sense_is_refused() {
         let good = [0.0, 0.9, 0.9, 0.1, 0.1];
-        assert_eq!(gear(&[good]).check(), Ok(()));
-        assert_eq!(gear(&[]).check().unwrap_err().param, "losses");
+        assert_eq!(gear(&[good]).errors()[..], []);
+        assert_eq!(gear(&[]).errors()[0].param, "losses");
         for (column, bad) in [(0, -1.0), (1, 0.0), (1, 1.1), (2, -0.5), (3, -1.0), (4, f64::NAN)] {
             let mut row = good;
             row[column] = bad;
-            assert_eq!(gear(&[row]).check().unwrap_err().param, "losses", "{row:?}");
+            assert_eq!(gear(&[row]).errors()[0].param, format!("losses[0][{column}]"));
         }
-        assert!(gear(&[good, good]).check().is_err(), "two rows at one speed");
-        assert_eq!(LossyGear { ratio: 0.0, ..gear(&[good]) }.check().unwrap_err().param, "ratio");
+        assert!(!gear(&[good, good]).errors().is_empty(), "two rows at one speed");
+        assert_eq!(LossyGear { ratio: 0.0, ..gear(&[good]) }.errors()[0].param, "ratio");
     }
 }

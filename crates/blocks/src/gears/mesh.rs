@@ -43,10 +43,10 @@ pub struct Onset {
     #[block(default = Loss::Dissipative)]
     pub loss: Loss,
     /// Speed of the base above which the full loss acts; for `Dissipative`.
-    #[block(unit = "rad/s", default = 1.0)]
+    #[block(unit = "rad/s", positive, default = 1.0)]
     pub threshold: f64,
     /// Power above which the full loss acts; for `Published`.
-    #[block(unit = "W", default = 1e-3)]
+    #[block(unit = "W", positive, default = 1e-3)]
     pub power_threshold: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
@@ -63,7 +63,7 @@ impl Onset {
 #[derive(Debug, Clone, Copy, PartialEq, Parameters)]
 pub struct BothWays {
     /// Efficiency, above 0 and at most 1.
-    #[block(default = 1.0)]
+    #[block(positive, at_most = 1.0, default = 1.0, remedy = "1 means no losses")]
     pub efficiency: f64,
     /// How they set in.
     #[block(group)]
@@ -73,6 +73,10 @@ pub struct BothWays {
 impl BothWays {
     /// No losses.
     pub const NONE: BothWays = BothWays { efficiency: 1.0, onset: Onset::DEFAULT };
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.mesh().validate(errors);
+    }
 
     pub(crate) fn mesh(&self) -> Mesh {
         let efficiency = ("efficiency", self.efficiency);
@@ -84,10 +88,10 @@ impl BothWays {
 #[derive(Debug, Clone, Copy, PartialEq, Parameters)]
 pub struct EachWay {
     /// Efficiency when the base drives the follower, above 0 and at most 1.
-    #[block(default = 1.0)]
+    #[block(positive, at_most = 1.0, default = 1.0, remedy = "1 means no losses")]
     pub efficiency_forward: f64,
     /// Efficiency when the follower drives the base, above 0 and at most 1.
-    #[block(default = 1.0)]
+    #[block(positive, at_most = 1.0, default = 1.0, remedy = "1 means no losses")]
     pub efficiency_backward: f64,
     /// How they set in.
     #[block(group)]
@@ -98,6 +102,10 @@ impl EachWay {
     /// No losses.
     pub const NONE: EachWay =
         EachWay { efficiency_forward: 1.0, efficiency_backward: 1.0, onset: Onset::DEFAULT };
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.mesh().validate(errors);
+    }
 
     pub(crate) fn mesh(&self) -> Mesh {
         Mesh {
@@ -123,32 +131,18 @@ pub(crate) struct Mesh {
 const STEEPEST: f64 = 0.59984;
 
 impl Mesh {
-    pub(crate) fn check(&self) -> Result<(), ParamError> {
-        for (name, efficiency) in [self.forward, self.backward] {
-            if !(efficiency > 0.0 && efficiency <= 1.0) {
-                return Err(ParamError::new(
-                    name,
-                    format!("`{name}` is {efficiency}, but an efficiency lies above 0 and is at most 1"),
-                )
-                .help("1 means no losses"));
-            }
-        }
-        let Onset { loss, threshold, power_threshold, .. } = self.onset;
-        positive("threshold", threshold)?;
-        positive("power_threshold", power_threshold)?;
+    /// Reports efficiencies with which the published law of losses has several solutions.
+    pub(crate) fn validate(&self, errors: &mut ParamErrors) {
         let (forward, backward) = (1.0 - self.forward.1, 1.0 / self.backward.1 - 1.0);
         let margin = 1.0 - 0.5 * (forward - backward) - STEEPEST * (forward + backward);
-        if loss == Loss::Published && margin <= 0.0 {
-            return Err(ParamError::new(
-                self.backward.0,
-                format!(
-                    "with efficiencies {} and {} the published law of losses has several solutions",
-                    self.forward.1, self.backward.1
-                ),
-            )
-            .help("write `loss: Dissipative`, which always has one solution, or raise the efficiencies"));
+        if self.onset.loss == Loss::Published && margin <= 0.0 {
+            let message = format!(
+                "with efficiencies {} and {} the published law of losses has several solutions",
+                self.forward.1, self.backward.1
+            );
+            let help = "write `loss: Dissipative`, which always has one solution, or raise the efficiencies";
+            errors.add(ParamError::new(self.backward.0, message).beside(&[self.forward.0]).help(help));
         }
-        Ok(())
     }
 
     /// What a mesh with stiction loses.
@@ -184,31 +178,31 @@ impl Mesh {
 mod tests {
     use super::*;
 
-    fn mesh(forward: f64, backward: f64, loss: Loss) -> Mesh {
+    fn losses(forward: f64, backward: f64, loss: Loss) -> EachWay {
         let onset = Onset { loss, ..Onset::DEFAULT };
-        EachWay { efficiency_forward: forward, efficiency_backward: backward, onset }.mesh()
+        EachWay { efficiency_forward: forward, efficiency_backward: backward, onset }
     }
 
     #[test]
     fn a_gear_without_losses_is_ideal() {
-        assert_eq!(mesh(1.0, 1.0, Loss::Dissipative).element(), None);
-        assert!(mesh(1.0, 0.9, Loss::Dissipative).element().is_some());
+        assert_eq!(losses(1.0, 1.0, Loss::Dissipative).mesh().element(), None);
+        assert!(losses(1.0, 0.9, Loss::Dissipative).mesh().element().is_some());
     }
 
     #[test]
     fn efficiencies_lie_above_zero_and_are_at_most_one() {
         for bad in [0.0, -0.1, 1.01, f64::NAN] {
-            let error = mesh(bad, 0.9, Loss::Dissipative).check().unwrap_err();
+            let error = losses(bad, 0.9, Loss::Dissipative).errors()[0].clone();
             assert_eq!(error.param, "efficiency_forward");
-            assert_eq!(mesh(0.9, bad, Loss::Dissipative).check().unwrap_err().param, "efficiency_backward");
+            assert_eq!(losses(0.9, bad, Loss::Dissipative).errors()[0].param, "efficiency_backward");
         }
     }
 
     #[test]
     fn the_published_law_is_refused_where_it_has_several_solutions() {
-        assert_eq!(mesh(0.5, 0.5, Loss::Published).check(), Ok(()));
-        assert!(mesh(0.25, 0.25, Loss::Published).check().is_err());
-        assert_eq!(mesh(0.25, 0.25, Loss::Dissipative).check(), Ok(()));
+        assert_eq!(losses(0.5, 0.5, Loss::Published).errors()[..], []);
+        assert!(!losses(0.25, 0.25, Loss::Published).errors().is_empty());
+        assert_eq!(losses(0.25, 0.25, Loss::Dissipative).errors()[..], []);
     }
 
     #[test]

@@ -24,8 +24,13 @@ use super::mesh::BothWays;
 #[block(category = "Gears", symbol = Planetary)]
 pub struct PlanetaryGear {
     /// Teeth of the ring $n_R$, more than the sun has.
+    #[block(
+        above = sun_teeth,
+        remedy = "the planets run between the sun and the ring around it: are the two exchanged?",
+    )]
     pub ring_teeth: u32,
     /// Teeth of the sun $n_S$.
+    #[block(at_least = 1, zero = "a wheel has teeth")]
     pub sun_teeth: u32,
     /// Its losses.
     #[block(group)]
@@ -36,29 +41,6 @@ impl PlanetaryGear {
     /// Teeth of the ring over teeth of the sun.
     fn ratio(&self) -> f64 {
         f64::from(self.ring_teeth) / f64::from(self.sun_teeth)
-    }
-}
-
-impl Block for PlanetaryGear {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.sun_teeth == 0 {
-            return Err(ParamError::new("sun_teeth", "`sun_teeth` is 0, but a wheel has teeth"));
-        }
-        if self.ring_teeth <= self.sun_teeth {
-            return Err(ParamError::new(
-                "ring_teeth",
-                format!(
-                    "`ring_teeth` ({}) must be greater than `sun_teeth` ({})",
-                    self.ring_teeth, self.sun_teeth
-                ),
-            )
-            .help("the planets run between the sun and the ring around it: are the two exchanged?"));
-        }
-        self.losses.mesh().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -104,12 +86,12 @@ mod tests {
 
     #[test]
     fn a_ring_without_more_teeth_than_the_sun_is_refused() {
-        let error = gear(24, 72).check().unwrap_err();
+        let error = gear(24, 72).errors()[0].clone();
         assert_eq!(error.param, "ring_teeth");
         assert!(error.help.is_some());
-        assert_eq!(gear(24, 0).check().unwrap_err().param, "sun_teeth");
-        assert_eq!(gear(72, 24).check(), Ok(()));
+        assert_eq!(gear(24, 0).errors()[0].param, "sun_teeth");
+        assert_eq!(gear(72, 24).errors()[..], []);
         let lossy = PlanetaryGear { losses: BothWays { efficiency: 1.1, ..BothWays::NONE }, ..gear(72, 24) };
-        assert_eq!(lossy.check().unwrap_err().param, "efficiency");
+        assert_eq!(lossy.errors()[0].param, "efficiency");
     }
 }

@@ -15,6 +15,7 @@ use super::mesh::{BothWays, Direction};
 #[block(category = "Gears", symbol = Gear)]
 pub struct SimpleGear {
     /// Teeth of the follower over teeth of the base: the reduction $i$.
+    #[block(positive, remedy = "the sign of the ratio is given by `direction: Reversed` or `Same`")]
     pub ratio: f64,
     /// `Reversed` or `Same`.
     #[block(default = Direction::Reversed)]
@@ -22,19 +23,6 @@ pub struct SimpleGear {
     /// Its losses.
     #[block(group)]
     pub losses: BothWays,
-}
-
-impl Block for SimpleGear {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ratio", self.ratio).map_err(|error| {
-            error.help("the sign of the ratio is given by `direction: Reversed` or `Same`")
-        })?;
-        self.losses.mesh().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for SimpleGear {
@@ -58,7 +46,7 @@ mod tests {
     #[test]
     fn a_negative_ratio_is_refused_with_a_hint_at_the_direction() {
         let gear = SimpleGear { ratio: -2.0, direction: Direction::Same, losses: BothWays::NONE };
-        let error = gear.check().unwrap_err();
+        let error = gear.errors()[0].clone();
         assert_eq!(error.param, "ratio");
         assert!(error.help.is_some_and(|help| help.contains("direction")));
     }

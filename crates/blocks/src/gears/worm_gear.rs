@@ -1,4 +1,4 @@
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use blocksim_block::physical::{Domain, DryMesh, Element, LossModel, MeshLoss};
 use blocksim_block::prelude::*;
@@ -30,20 +30,25 @@ use super::mesh::Direction;
 #[block(category = "Gears", symbol = Worm)]
 pub struct WormGear {
     /// Teeth of the wheel over threads of the worm: the reduction $i$.
+    #[block(positive, remedy = "the sign of the ratio is given by `direction: Reversed` or `Same`")]
     pub ratio: f64,
     /// `Reversed` or `Same`: the hand of the thread.
     #[block(default = Direction::Same)]
     pub direction: Direction,
     /// Lead angle $\gamma$, above 0 and below 90 deg.
-    #[block(unit = "rad")]
+    #[block(unit = "rad", above = 0.0, below = FRAC_PI_2, remedy = "write it with its unit: \"5 deg\"")]
     pub lead_angle: f64,
     /// Coefficient of friction $\mu$ of the flanks.
+    #[block(not_negative)]
     pub friction: f64,
     /// Normal pressure angle $\alpha$, from 0 to below 90 deg; mostly 20 deg.
-    #[block(unit = "rad", default = PI / 9.0)]
+    #[block(
+        unit = "rad", at_least = 0.0, below = FRAC_PI_2, default = PI / 9.0,
+        remedy = "write it with its unit: \"20 deg\"",
+    )]
     pub pressure_angle: f64,
     /// Torque of the bearings of the worm.
-    #[block(unit = "N*m", default = 0.0)]
+    #[block(unit = "N*m", not_negative, default = 0.0)]
     pub bearing: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
@@ -56,41 +61,14 @@ impl WormGear {
         let (cos, tan, mu) = (self.pressure_angle.cos(), self.lead_angle.tan(), self.friction);
         [(cos - mu * tan) / (cos + mu / tan), (cos - mu / tan) / (cos + mu * tan)]
     }
-}
 
-impl Block for WormGear {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ratio", self.ratio).map_err(|error| {
-            error.help("the sign of the ratio is given by `direction: Reversed` or `Same`")
-        })?;
-        not_negative("friction", self.friction)?;
-        not_negative("bearing", self.bearing)?;
-        if !(self.lead_angle > 0.0 && self.lead_angle < 0.5 * PI) {
-            return Err(ParamError::new(
-                "lead_angle",
-                format!("`lead_angle` is {} rad, but it lies between 0 and 90 deg", self.lead_angle),
-            )
-            .help("write it with its unit: \"5 deg\""));
-        }
-        if !(self.pressure_angle >= 0.0 && self.pressure_angle < 0.5 * PI) {
-            return Err(ParamError::new(
-                "pressure_angle",
-                format!("`pressure_angle` is {} rad, but it lies between 0 and 90 deg", self.pressure_angle),
-            )
-            .help("write it with its unit: \"20 deg\""));
-        }
+    fn validate(&self, errors: &mut ParamErrors) {
         if self.efficiencies()[0] <= 0.0 {
-            return Err(ParamError::new(
-                "friction",
-                format!("with a friction of {} not even the worm can turn the wheel", self.friction),
-            )
-            .help("it must be below cos(pressure_angle) / tan(lead_angle)"));
+            let message =
+                format!("with a friction of {} not even the worm can turn the wheel", self.friction);
+            let error = ParamError::new("friction", message).beside(&["lead_angle", "pressure_angle"]);
+            errors.add(error.help("it must be below cos(pressure_angle) / tan(lead_angle)"));
         }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -152,10 +130,10 @@ mod tests {
 
     #[test]
     fn a_thread_without_lead_or_with_too_much_friction_is_refused() {
-        assert_eq!(WORM.check(), Ok(()));
-        assert_eq!(WormGear { lead_angle: 0.0, ..WORM }.check().unwrap_err().param, "lead_angle");
-        assert_eq!(WormGear { lead_angle: 4.0, ..WORM }.check().unwrap_err().param, "lead_angle");
-        assert_eq!(WormGear { friction: 20.0, ..WORM }.check().unwrap_err().param, "friction");
-        assert_eq!(WormGear { ratio: 0.0, ..WORM }.check().unwrap_err().param, "ratio");
+        assert_eq!(WORM.errors()[..], []);
+        assert_eq!(WormGear { lead_angle: 0.0, ..WORM }.errors()[0].param, "lead_angle");
+        assert_eq!(WormGear { lead_angle: 4.0, ..WORM }.errors()[0].param, "lead_angle");
+        assert_eq!(WormGear { friction: 20.0, ..WORM }.errors()[0].param, "friction");
+        assert_eq!(WormGear { ratio: 0.0, ..WORM }.errors()[0].param, "ratio");
     }
 }

@@ -26,19 +26,22 @@ const EMPTY: f64 = 1e-4;
 #[block(category = "Hydraulic", symbol = Accumulator)]
 pub struct Accumulator {
     /// Volume of the gas without fluid $V_0$, positive.
-    #[block(unit = "m^3")]
+    #[block(unit = "m^3", positive)]
     pub volume: f64,
     /// Pressure of the gas without fluid $p_v$, above that of the atmosphere; positive.
-    #[block(unit = "Pa")]
+    #[block(unit = "Pa", positive)]
     pub precharge: f64,
     /// Polytropic exponent $n$, at least 1.
-    #[block(default = 1.4)]
+    #[block(finite, at_least = 1.0, default = 1.4)]
     pub exponent: f64,
     /// Resistance of the neck $R$, positive.
-    #[block(unit = "Pa*s/m^3", default = 1e8)]
+    #[block(unit = "Pa*s/m^3", positive, default = 1e8)]
     pub r: f64,
     /// Fluid at the start: 0 or above, below `volume`.
-    #[block(unit = "m^3", default = 0.0)]
+    #[block(
+        unit = "m^3", not_negative, below = volume, default = 0.0,
+        remedy = "it leaves no room for the gas: give the fluid at the start, less than `volume`",
+    )]
     pub v0: f64,
 }
 
@@ -62,28 +65,6 @@ impl Accumulator {
         let (left, n) = ((self.volume - v) / self.volume, self.exponent);
         let work = if n == 1.0 { -left.ln() } else { (left.powf(1.0 - n) - 1.0) / (n - 1.0) };
         absolute * self.volume * work - ATMOSPHERE * v
-    }
-}
-
-impl Block for Accumulator {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("volume", self.volume)?;
-        positive("precharge", self.precharge)?;
-        at_least("exponent", self.exponent, 1.0)?;
-        finite("exponent", self.exponent)?;
-        positive("r", self.r)?;
-        not_negative("v0", self.v0)?;
-        if self.v0 >= self.volume {
-            let message = format!("`v0` ({} m^3) leaves no room for the gas in {} m^3", self.v0, self.volume);
-            return Err(
-                ParamError::new("v0", message).help("give the fluid at the start, less than `volume`")
-            );
-        }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -151,9 +132,9 @@ mod tests {
 
     #[test]
     fn accumulators_without_gas_are_refused() {
-        assert!(Accumulator { v0: 1e-3, ..GAS }.check().unwrap_err().help.is_some());
-        assert_eq!(Accumulator { exponent: 0.9, ..GAS }.check().unwrap_err().param, "exponent");
-        assert_eq!(Accumulator { precharge: 0.0, ..GAS }.check().unwrap_err().param, "precharge");
-        assert_eq!(GAS.check(), Ok(()));
+        assert!(Accumulator { v0: 1e-3, ..GAS }.errors()[0].help.is_some());
+        assert_eq!(Accumulator { exponent: 0.9, ..GAS }.errors()[0].param, "exponent");
+        assert_eq!(Accumulator { precharge: 0.0, ..GAS }.errors()[0].param, "precharge");
+        assert_eq!(GAS.errors()[..], []);
     }
 }

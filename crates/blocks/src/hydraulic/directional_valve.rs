@@ -2,7 +2,6 @@ use blocksim_block::physical::{Characteristics, Domain, Handle, Pin};
 use blocksim_block::prelude::*;
 
 use super::opening::Opening;
-use super::variable_orifice::check_areas;
 
 /// The four edges: from the supply to `a` and `b`, from these to the tank.
 const P_A: Handle = Handle::new("p to a");
@@ -30,13 +29,21 @@ const B_T: Handle = Handle::new("b to t");
 #[block(category = "Hydraulic", symbol = SpoolValve)]
 pub struct DirectionalValve {
     /// Area of an edge that is fully open $A_{max}$, positive.
-    #[block(unit = "m^2")]
+    #[block(unit = "m^2", positive)]
     pub area: f64,
     /// Share of the way of the spool before an edge opens $u$: 0 or above, below 1.
-    #[block(default = 0.0)]
+    #[block(
+        not_negative,
+        below = 1.0,
+        default = 0.0,
+        remedy = "at 1 the valve never opens: give it as a share of the way of the spool, such as 0.05"
+    )]
     pub overlap: f64,
     /// Area that is left of a closed edge $A_l$, positive and below `area`.
-    #[block(unit = "m^2", default = 1e-12)]
+    #[block(
+        unit = "m^2", positive, below = area, default = 1e-12,
+        remedy = "every valve leaks a little; without leakage nothing determines the pressure behind it: write \"1e-12 m^2\"",
+    )]
     pub leakage: f64,
     /// Edges and fluid.
     #[block(group)]
@@ -50,23 +57,6 @@ impl DirectionalValve {
             let share = ((s.min(1.0) - self.overlap) / (1.0 - self.overlap)).max(0.0);
             self.leakage + share * (self.area - self.leakage)
         })
-    }
-}
-
-impl Block for DirectionalValve {
-    fn check(&self) -> Result<(), ParamError> {
-        check_areas(self.area, self.leakage)?;
-        not_negative("overlap", self.overlap)?;
-        if self.overlap >= 1.0 {
-            let message = format!("`overlap` is {}: the valve never opens", self.overlap);
-            return Err(ParamError::new("overlap", message)
-                .help("give it as a share of the way of the spool, such as 0.05"));
-        }
-        self.opening.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -132,8 +122,8 @@ mod tests {
 
     #[test]
     fn a_valve_that_never_opens_is_refused() {
-        assert!(DirectionalValve { overlap: 1.0, ..VALVE }.check().unwrap_err().help.is_some());
-        assert_eq!(DirectionalValve { area: -1.0, ..VALVE }.check().unwrap_err().param, "area");
-        assert_eq!(VALVE.check(), Ok(()));
+        assert!(DirectionalValve { overlap: 1.0, ..VALVE }.errors()[0].help.is_some());
+        assert_eq!(DirectionalValve { area: -1.0, ..VALVE }.errors()[0].param, "area");
+        assert_eq!(VALVE.errors()[..], []);
     }
 }

@@ -18,13 +18,13 @@ const FLUID: Handle = Handle::new("fluid");
 #[block(category = "Hydraulic", symbol = Capacitor)]
 pub struct FluidVolume {
     /// Volume, positive.
-    #[block(unit = "m^3")]
+    #[block(unit = "m^3", positive, zero = "without volume it stores nothing: leave it out")]
     pub volume: f64,
     /// Bulk modulus $\beta$, positive.
-    #[block(unit = "Pa", default = 1.4e9)]
+    #[block(unit = "Pa", positive, default = 1.4e9)]
     pub bulk_modulus: f64,
     /// Pressure at the start. Where none is given it follows from given pressures at the same node, else it is zero.
-    #[block(unit = "Pa", default = None)]
+    #[block(unit = "Pa", finite, default = None)]
     pub p0: Option<f64>,
 }
 
@@ -32,21 +32,6 @@ impl FluidVolume {
     /// m^3/Pa.
     fn capacity(&self) -> f64 {
         self.volume / self.bulk_modulus
-    }
-}
-
-impl Block for FluidVolume {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("volume", self.volume).map_err(|error| match self.volume {
-            0.0 => error.help("without volume it stores nothing: leave it out"),
-            _ => error,
-        })?;
-        positive("bulk_modulus", self.bulk_modulus)?;
-        finite("p0", self.p0.unwrap_or(0.0))
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -90,8 +75,8 @@ mod tests {
     #[test]
     fn volumes_that_are_none_are_refused() {
         let volume = FluidVolume { volume: 1e-3, bulk_modulus: 1.4e9, p0: None };
-        assert_eq!(volume.check(), Ok(()));
-        assert!(FluidVolume { volume: 0.0, ..volume }.check().unwrap_err().help.is_some());
-        assert_eq!(FluidVolume { bulk_modulus: 0.0, ..volume }.check().unwrap_err().param, "bulk_modulus");
+        assert_eq!(volume.errors()[..], []);
+        assert!(FluidVolume { volume: 0.0, ..volume }.errors()[0].help.is_some());
+        assert_eq!(FluidVolume { bulk_modulus: 0.0, ..volume }.errors()[0].param, "bulk_modulus");
     }
 }

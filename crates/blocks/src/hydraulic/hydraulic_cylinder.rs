@@ -36,43 +36,46 @@ const X: usize = 2;
 #[block(category = "Hydraulic", symbol = HydraulicCylinder)]
 pub struct HydraulicCylinder {
     /// Area of the piston $A_a$, positive.
-    #[block(unit = "m^2")]
+    #[block(unit = "m^2", positive)]
     pub area_a: f64,
     /// Area of the side with the rod $A_b$, positive.
-    #[block(unit = "m^2")]
+    #[block(unit = "m^2", positive)]
     pub area_b: f64,
     /// Way from one end to the other, positive.
-    #[block(unit = "m")]
+    #[block(unit = "m", positive)]
     pub stroke: f64,
     /// Volume that is left in each chamber at its end, with the lines that lead to it; zero is allowed.
-    #[block(unit = "m^3", default = 2e-5)]
+    #[block(unit = "m^3", not_negative, default = 2e-5)]
     pub dead_volume: f64,
     /// Bulk modulus $\beta$, positive.
-    #[block(unit = "Pa", default = 1.4e9)]
+    #[block(unit = "Pa", positive, default = 1.4e9)]
     pub bulk_modulus: f64,
     /// Leakage past the piston $G$ over the pressure difference; zero is allowed.
-    #[block(unit = "m^3/(s*Pa)", default = 0.0)]
+    #[block(unit = "m^3/(s*Pa)", not_negative, default = 0.0)]
     pub leakage: f64,
     /// Viscous friction $d$ of the piston; zero is allowed.
-    #[block(unit = "N*s/m", default = 0.0)]
+    #[block(unit = "N*s/m", not_negative, default = 0.0)]
     pub damping: f64,
     /// Position at the start, from 0 to `stroke`.
-    #[block(unit = "m", default = 0.0)]
+    #[block(
+        unit = "m", finite, at_least = 0.0, at_most = stroke, default = 0.0,
+        remedy = "the position counts from the end where chamber a is smallest",
+    )]
     pub x0: f64,
     /// Pressure of chamber `a` at the start. Where none is given it follows from given pressures at the same node, else it is zero.
-    #[block(unit = "Pa", default = None)]
+    #[block(unit = "Pa", finite, default = None)]
     pub p_a0: Option<f64>,
     /// Pressure of chamber `b` at the start, likewise.
-    #[block(unit = "Pa", default = None)]
+    #[block(unit = "Pa", finite, default = None)]
     pub p_b0: Option<f64>,
     /// Stiffness of both ends.
-    #[block(unit = "N/m", default = 1e8)]
+    #[block(unit = "N/m", not_negative, default = 1e8)]
     pub stop_stiffness: f64,
     /// Damping of both ends.
-    #[block(unit = "N*s/m", default = 1e5)]
+    #[block(unit = "N*s/m", not_negative, default = 1e5)]
     pub stop_damping: f64,
     /// Width over which an end sets in; zero sets in at once.
-    #[block(unit = "m", default = 1e-4)]
+    #[block(unit = "m", not_negative, default = 1e-4)]
     pub stop_transition: f64,
 }
 
@@ -91,34 +94,6 @@ impl HydraulicCylinder {
     /// Force of the fluid on the rod, N.
     fn force(&self, c: &Law) -> f64 {
         self.area_a * c.x[A] - self.area_b * c.x[B]
-    }
-}
-
-impl Block for HydraulicCylinder {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("area_a", self.area_a)?;
-        positive("area_b", self.area_b)?;
-        positive("stroke", self.stroke)?;
-        not_negative("dead_volume", self.dead_volume)?;
-        positive("bulk_modulus", self.bulk_modulus)?;
-        not_negative("leakage", self.leakage)?;
-        not_negative("damping", self.damping)?;
-        finite("p_a0", self.p_a0.unwrap_or(0.0))?;
-        finite("p_b0", self.p_b0.unwrap_or(0.0))?;
-        not_negative("stop_stiffness", self.stop_stiffness)?;
-        not_negative("stop_damping", self.stop_damping)?;
-        not_negative("stop_transition", self.stop_transition)?;
-        finite("x0", self.x0)?;
-        if !(0.0..=self.stroke).contains(&self.x0) {
-            let message = format!("`x0` is {} m, but the piston moves from 0 to {} m", self.x0, self.stroke);
-            return Err(ParamError::new("x0", message)
-                .help("the position counts from the end where chamber a is smallest"));
-        }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -243,8 +218,8 @@ mod tests {
 
     #[test]
     fn a_piston_outside_of_its_cylinder_is_refused() {
-        assert!(HydraulicCylinder { x0: 0.5, ..CYLINDER }.check().unwrap_err().help.is_some());
-        assert_eq!(HydraulicCylinder { stroke: 0.0, ..CYLINDER }.check().unwrap_err().param, "stroke");
-        assert_eq!(CYLINDER.check(), Ok(()));
+        assert!(HydraulicCylinder { x0: 0.5, ..CYLINDER }.errors()[0].help.is_some());
+        assert_eq!(HydraulicCylinder { stroke: 0.0, ..CYLINDER }.errors()[0].param, "stroke");
+        assert_eq!(CYLINDER.errors()[..], []);
     }
 }

@@ -15,12 +15,6 @@ const PROBE: Handle = Handle::new("probe");
 #[block(category = "Hydraulic", symbol = Meter("q"))]
 pub struct HydraulicFlowSensor;
 
-impl Block for HydraulicFlowSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for HydraulicFlowSensor {
     fn part(&self, _given: &Given) -> Part {
         ends().named(PROBE, Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) }).measures(

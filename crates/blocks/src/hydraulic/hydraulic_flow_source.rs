@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Hydraulic", symbol = MotionSource("q"))]
 pub struct HydraulicFlowSource;
 
-impl Block for HydraulicFlowSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for HydraulicFlowSource {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -39,25 +39,25 @@ const TURBULENT: f64 = 4000.0;
 #[block(category = "Hydraulic", symbol = Pipe)]
 pub struct HydraulicPipe {
     /// Length, positive.
-    #[block(unit = "m")]
+    #[block(unit = "m", positive)]
     pub length: f64,
     /// Inner diameter, positive.
-    #[block(unit = "m")]
+    #[block(unit = "m", positive)]
     pub diameter: f64,
     /// Bulk modulus $\beta$ of fluid and wall together, positive.
-    #[block(unit = "Pa", default = 1.4e9)]
+    #[block(unit = "Pa", positive, default = 1.4e9)]
     pub bulk_modulus: f64,
     /// Density of the fluid $\rho$, positive.
-    #[block(unit = "kg/m^3", default = 860.0)]
+    #[block(unit = "kg/m^3", positive, default = 860.0)]
     pub density: f64,
     /// Kinematic viscosity $\nu$, positive: 46 mm^2/s for ISO VG 46 at 40 degC.
-    #[block(unit = "m^2/s", default = 46e-6)]
+    #[block(unit = "m^2/s", positive, default = 46e-6)]
     pub viscosity: f64,
     /// Pressure at the start near both ends. Where none is given it follows from given pressures at the same node, else it is zero.
-    #[block(unit = "Pa", default = None)]
+    #[block(unit = "Pa", finite, default = None)]
     pub p0: Option<f64>,
     /// Flow at the start.
-    #[block(unit = "m^3/s", default = 0.0)]
+    #[block(unit = "m^3/s", finite, default = 0.0)]
     pub q0: f64,
 }
 
@@ -92,22 +92,6 @@ impl HydraulicPipe {
             64.0 / LAMINAR + share * (blasius(TURBULENT) - 64.0 / LAMINAR)
         };
         factor * self.length / d * 0.5 * self.density * q * q.abs() / (area * area)
-    }
-}
-
-impl Block for HydraulicPipe {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("length", self.length)?;
-        positive("diameter", self.diameter)?;
-        positive("bulk_modulus", self.bulk_modulus)?;
-        positive("density", self.density)?;
-        positive("viscosity", self.viscosity)?;
-        finite("p0", self.p0.unwrap_or(0.0))?;
-        finite("q0", self.q0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -212,8 +196,8 @@ mod tests {
 
     #[test]
     fn pipes_that_are_none_are_refused() {
-        assert_eq!(HydraulicPipe { diameter: 0.0, ..PIPE }.check().unwrap_err().param, "diameter");
-        assert_eq!(HydraulicPipe { viscosity: -1.0, ..PIPE }.check().unwrap_err().param, "viscosity");
-        assert_eq!(PIPE.check(), Ok(()));
+        assert_eq!(HydraulicPipe { diameter: 0.0, ..PIPE }.errors()[0].param, "diameter");
+        assert_eq!(HydraulicPipe { viscosity: -1.0, ..PIPE }.errors()[0].param, "viscosity");
+        assert_eq!(PIPE.errors()[..], []);
     }
 }

@@ -13,12 +13,6 @@ const GIVEN: Handle = Handle::new("given");
 #[block(category = "Hydraulic", symbol = MotionSource("p"))]
 pub struct HydraulicPressureSource;
 
-impl Block for HydraulicPressureSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for HydraulicPressureSource {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

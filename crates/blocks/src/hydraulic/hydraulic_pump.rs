@@ -23,29 +23,17 @@ const CHAMBERS: Handle = Handle::new("chambers");
 #[block(category = "Hydraulic", symbol = Pump)]
 pub struct HydraulicPump {
     /// Volume that an angle displaces $D$, positive: `cm^3/rev` for a turn.
-    #[block(unit = "m^3/rad")]
+    #[block(unit = "m^3/rad", positive)]
     pub displacement: f64,
     /// Leakage $G$ over the pressure difference; zero is allowed.
-    #[block(unit = "m^3/(s*Pa)", default = 0.0)]
+    #[block(unit = "m^3/(s*Pa)", not_negative, default = 0.0)]
     pub leakage: f64,
     /// Friction $d$ of shaft and fluid; zero is allowed.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub damping: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
     pub heat_port: bool,
-}
-
-impl Block for HydraulicPump {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("displacement", self.displacement)?;
-        not_negative("leakage", self.leakage)?;
-        not_negative("damping", self.damping)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for HydraulicPump {
@@ -107,7 +95,7 @@ mod tests {
 
     #[test]
     fn a_pump_that_displaces_nothing_is_refused() {
-        assert_eq!(HydraulicPump { displacement: 0.0, ..PUMP }.check().unwrap_err().param, "displacement");
-        assert_eq!(HydraulicPump { leakage: -1.0, ..PUMP }.check().unwrap_err().param, "leakage");
+        assert_eq!(HydraulicPump { displacement: 0.0, ..PUMP }.errors()[0].param, "displacement");
+        assert_eq!(HydraulicPump { leakage: -1.0, ..PUMP }.errors()[0].param, "leakage");
     }
 }

@@ -20,21 +20,12 @@ const GAP: Handle = Handle::new("gap");
 #[block(category = "Hydraulic", symbol = Resistor)]
 pub struct HydraulicResistance {
     /// Resistance, positive: for zero join the ports, for infinity leave it out.
-    #[block(unit = "Pa*s/m^3")]
+    #[block(
+        unit = "Pa*s/m^3",
+        positive,
+        zero = "without resistance both sides have one pressure: join the two nodes instead"
+    )]
     pub r: f64,
-}
-
-impl Block for HydraulicResistance {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("r", self.r).map_err(|error| match self.r {
-            0.0 => error.help("without resistance both sides have one pressure: join the two nodes instead"),
-            _ => error,
-        })
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for HydraulicResistance {
@@ -55,7 +46,7 @@ mod tests {
 
     #[test]
     fn resistances_that_are_none_are_refused() {
-        assert!(HydraulicResistance { r: 0.0 }.check().unwrap_err().help.is_some());
-        assert_eq!(HydraulicResistance { r: f64::INFINITY }.check().unwrap_err().param, "r");
+        assert!(HydraulicResistance { r: 0.0 }.errors()[0].help.is_some());
+        assert_eq!(HydraulicResistance { r: f64::INFINITY }.errors()[0].param, "r");
     }
 }

@@ -15,32 +15,24 @@ const TYPICAL: f64 = 1e6;
 #[derive(Debug, Clone, Copy, PartialEq, Parameters)]
 pub struct Opening {
     /// Discharge coefficient $C_d$, above 0 and at most 1.
-    #[block(default = 0.62)]
+    #[block(
+        positive,
+        at_most = 1.0,
+        default = 0.62,
+        remedy = "no jet is wider than its opening: a sharp edge has about 0.62, a rounded one up to 1"
+    )]
     pub discharge: f64,
     /// Density of the fluid, positive.
-    #[block(unit = "kg/m^3", default = 860.0)]
+    #[block(unit = "kg/m^3", positive, default = 860.0)]
     pub density: f64,
     /// Pressure difference $p_l$ of the transition from laminar to turbulent flow, positive.
-    #[block(unit = "Pa", default = 1e4)]
+    #[block(unit = "Pa", positive, default = 1e4)]
     pub p_laminar: f64,
 }
 
 impl Opening {
     /// Mineral oil and a sharp edge.
     pub const OIL: Opening = Opening { discharge: 0.62, density: 860.0, p_laminar: 1e4 };
-
-    /// # Errors
-    /// Names the parameter as all blocks call it.
-    pub(crate) fn check(&self) -> Result<(), ParamError> {
-        positive("discharge", self.discharge)?;
-        if self.discharge > 1.0 {
-            let message = format!("`discharge` is {}, but no jet is wider than its opening", self.discharge);
-            return Err(ParamError::new("discharge", message)
-                .help("a sharp edge has about 0.62, a rounded one up to 1"));
-        }
-        positive("density", self.density)?;
-        positive("p_laminar", self.p_laminar)
-    }
 
     /// Flow through an area of 1 m^2 at a pressure difference, and its slope.
     pub(crate) fn jet(&self, dp: f64) -> (f64, f64) {
@@ -93,8 +85,8 @@ mod tests {
 
     #[test]
     fn what_is_no_opening_is_refused() {
-        assert!(Opening { discharge: 1.2, ..Opening::OIL }.check().unwrap_err().help.is_some());
-        assert_eq!(Opening { density: 0.0, ..Opening::OIL }.check().unwrap_err().param, "density");
-        assert_eq!(Opening { p_laminar: 0.0, ..Opening::OIL }.check().unwrap_err().param, "p_laminar");
+        assert!(Opening { discharge: 1.2, ..Opening::OIL }.errors()[0].help.is_some());
+        assert_eq!(Opening { density: 0.0, ..Opening::OIL }.errors()[0].param, "density");
+        assert_eq!(Opening { p_laminar: 0.0, ..Opening::OIL }.errors()[0].param, "p_laminar");
     }
 }

@@ -21,25 +21,11 @@ const EDGE: Handle = Handle::new("edge");
 #[block(category = "Hydraulic", symbol = Restriction)]
 pub struct Orifice {
     /// Area of the opening, positive.
-    #[block(unit = "m^2")]
+    #[block(unit = "m^2", positive, zero = "an orifice without area lets nothing through: leave it out")]
     pub area: f64,
     /// Edge and fluid.
     #[block(group)]
     pub opening: Opening,
-}
-
-impl Block for Orifice {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("area", self.area).map_err(|error| match self.area {
-            0.0 => error.help("an orifice without area lets nothing through: leave it out"),
-            _ => error,
-        })?;
-        self.opening.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for Orifice {
@@ -82,7 +68,7 @@ mod tests {
 
     #[test]
     fn an_orifice_without_area_is_refused() {
-        assert!(Orifice { area: 0.0, ..ORIFICE }.check().unwrap_err().help.is_some());
-        assert_eq!(ORIFICE.check(), Ok(()));
+        assert!(Orifice { area: 0.0, ..ORIFICE }.errors()[0].help.is_some());
+        assert_eq!(ORIFICE.errors()[..], []);
     }
 }

@@ -13,12 +13,6 @@ const PROBE: Handle = Handle::new("probe");
 #[block(category = "Hydraulic", symbol = Meter("p"))]
 pub struct PressureSensor;
 
-impl Block for PressureSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for PressureSensor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -13,18 +13,8 @@ const GIVEN: Handle = Handle::new("given");
 #[block(category = "Hydraulic", symbol = Tank)]
 pub struct Tank {
     /// Pressure.
-    #[block(unit = "Pa", default = 0.0)]
+    #[block(unit = "Pa", finite, default = 0.0)]
     pub p: f64,
-}
-
-impl Block for Tank {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("p", self.p)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for Tank {
@@ -51,7 +41,7 @@ mod tests {
 
     #[test]
     fn a_pressure_is_a_number() {
-        assert_eq!(Tank { p: f64::NAN }.check().unwrap_err().param, "p");
-        assert_eq!(Tank { p: 2e5 }.check(), Ok(()));
+        assert_eq!(Tank { p: f64::NAN }.errors()[0].param, "p");
+        assert_eq!(Tank { p: 2e5 }.errors()[..], []);
     }
 }

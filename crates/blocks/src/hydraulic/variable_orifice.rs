@@ -22,10 +22,13 @@ const EDGE: Handle = Handle::new("edge");
 #[block(category = "Hydraulic", symbol = VariableRestriction)]
 pub struct VariableOrifice {
     /// Area of the whole opening $A_{max}$, positive.
-    #[block(unit = "m^2")]
+    #[block(unit = "m^2", positive)]
     pub area: f64,
     /// Area that is left when it is closed $A_l$, positive and below `area`.
-    #[block(unit = "m^2", default = 1e-12)]
+    #[block(
+        unit = "m^2", positive, below = area, default = 1e-12,
+        remedy = "every valve leaks a little; without leakage nothing determines the pressure behind it: write \"1e-12 m^2\"",
+    )]
     pub leakage: f64,
     /// Edge and fluid.
     #[block(group)]
@@ -35,33 +38,6 @@ pub struct VariableOrifice {
 impl VariableOrifice {
     fn area(&self, c: &Law) -> f64 {
         self.leakage + c.scalar(0).clamp(0.0, 1.0) * (self.area - self.leakage)
-    }
-}
-
-/// Refuses areas of a valve that is closed no better than open.
-pub(super) fn check_areas(area: f64, leakage: f64) -> Result<(), ParamError> {
-    positive("area", area)?;
-    positive("leakage", leakage).map_err(|error| {
-        error.help("every valve leaks a little; without leakage nothing determines the pressure behind it: write \"1e-12 m^2\"")
-    })?;
-    if leakage >= area {
-        let message = format!(
-            "`leakage` ({leakage} m^2) is not below `area` ({area} m^2): open and closed are the same"
-        );
-        return Err(ParamError::new("leakage", message)
-            .help("give the area of the clearances, such as \"1e-12 m^2\""));
-    }
-    Ok(())
-}
-
-impl Block for VariableOrifice {
-    fn check(&self) -> Result<(), ParamError> {
-        check_areas(self.area, self.leakage)?;
-        self.opening.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -105,8 +81,8 @@ mod tests {
 
     #[test]
     fn a_valve_that_cannot_close_or_does_not_leak_is_refused() {
-        assert!(VariableOrifice { leakage: 0.0, ..VALVE }.check().unwrap_err().help.is_some());
-        assert_eq!(VariableOrifice { leakage: 9e-6, ..VALVE }.check().unwrap_err().param, "leakage");
-        assert_eq!(VALVE.check(), Ok(()));
+        assert!(VariableOrifice { leakage: 0.0, ..VALVE }.errors()[0].help.is_some());
+        assert_eq!(VariableOrifice { leakage: 9e-6, ..VALVE }.errors()[0].param, "leakage");
+        assert_eq!(VALVE.errors()[..], []);
     }
 }

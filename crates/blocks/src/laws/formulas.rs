@@ -1,6 +1,6 @@
 //! Formulas in texts, over inputs and parameters.
 
-use blocksim_block::{Given, InterfaceError, MOST_PORTS, ParamError, count};
+use blocksim_block::{Given, InterfaceError, MOST_PORTS, ParamError, ParamErrors};
 use blocksim_law::{Condition, Recorder};
 use blocksim_signal::{Dimension, Formula, NodeKind};
 
@@ -27,35 +27,34 @@ struct Text {
 pub(crate) type Known<'t, 'r> = Vec<(&'t str, Part<'r>)>;
 
 impl Formulas {
-    /// Reads texts, each with the name of its parameter; `outputs` are names that no input may have.
-    ///
-    /// # Errors
-    /// The first thing that is wrong.
+    /// Reads texts, each with the name of its parameter; `outputs` are names that no input may have. All that is wrong is reported.
     pub fn read(
         texts: &[(String, &str)],
         parameters: LawParameters,
         outputs: &[&str],
-    ) -> Result<Self, ParamError> {
-        parameters.check()?;
-        let read = |names: &[&str]| -> Result<Vec<Formula>, ParamError> {
+        errors: &mut ParamErrors,
+    ) -> Option<Self> {
+        let mut read = |names: &[&str]| -> Option<Vec<Formula>> {
             let parse =
                 |(param, text): &(String, &str)| Formula::parse(text, names).map_err(|e| in_text(param, e));
-            texts.iter().map(parse).collect()
+            // All of them are read, also behind one that cannot be.
+            let formulas: Vec<Option<Formula>> = texts.iter().map(|text| errors.take(parse(text))).collect();
+            formulas.into_iter().collect()
         };
         let first = read(&parameters.names())?;
         // A word that is an input in one place is no unit in another: both `m` of `m * a + 2 N/kg * m` are the input.
         let words = first.iter().flat_map(Formula::names).map(|(name, _)| name);
         let formulas = read(&parameters.names().into_iter().chain(words).collect::<Vec<_>>())?;
         let used: Vec<&str> = formulas.iter().flat_map(Formula::names).map(|(name, _)| name).collect();
-        parameters.are_used(&used)?;
+        parameters.are_used(&used, errors);
         let mut inputs: Vec<(String, bool)> = Vec::new();
         for (formula, (param, _)) in formulas.iter().zip(texts) {
             for (name, is_truth) in formula.names() {
                 let known = match parameters.0.get(name) {
-                    Some(value) => Some((value.0.as_bool().is_some(), "parameters")),
+                    Some(value) => Some((value.0.as_bool().is_some(), format!("parameters.{name}"))),
                     None => {
                         let input = inputs.iter().find(|(input, _)| input == name);
-                        input.map(|(_, truth)| (*truth, param.as_str()))
+                        input.map(|(_, truth)| (*truth, param.clone()))
                     }
                 };
                 match known {
@@ -63,25 +62,30 @@ impl Formulas {
                         let word = |truth| if truth { "true or false" } else { "a number" };
                         let message =
                             format!("`{name}` is {}, but the law needs {}", word(truth), word(is_truth));
-                        return Err(ParamError::new(guilty, message));
+                        errors.add(ParamError::new(guilty, message));
                     }
                     Some(_) => {}
                     None => {
-                        name_fits(param, name)?;
+                        errors.take(name_fits(param, name));
                         if outputs.contains(&name) {
                             let message = format!("an input cannot have the name of the output, `{name}`");
-                            return Err(ParamError::new(param, message)
-                                .help("write another name, such as u1; the law is the value itself"));
+                            let error = ParamError::new(param, message);
+                            errors.add(
+                                error.help("write another name, such as u1; the law is the value itself"),
+                            );
                         }
                         inputs.push((name.to_owned(), is_truth));
                     }
                 }
             }
         }
-        count("inputs", inputs.len(), 0, MOST_PORTS).map_err(|error| ParamError {
-            param: texts.first().map_or_else(String::new, |(param, _)| param.clone()),
-            ..error
-        })?;
+        if let (true, Some((param, _))) = (inputs.len() > MOST_PORTS, texts.first()) {
+            let message = format!("there are {} inputs, but at most {MOST_PORTS} are possible", inputs.len());
+            errors.add(ParamError::new(param, message).help("pass vectors"));
+        }
+        if !errors.is_empty() {
+            return None;
+        }
         let mut begin = 0;
         let text = |(formula, (_, text)): (Formula, &(String, &str))| {
             let made = Text { constants: constants(&formula, parameters), formula, begin };
@@ -89,7 +93,7 @@ impl Formulas {
             begin += text.len() + 1;
             made
         };
-        Ok(Self { all: formulas.into_iter().zip(texts).map(text).collect(), inputs })
+        Some(Self { all: formulas.into_iter().zip(texts).map(text).collect(), inputs })
     }
 
     /// Whether a formula is true or false rather than a number.

@@ -6,7 +6,7 @@ mod record;
 mod text_law;
 
 pub(crate) use formulas::Formulas;
-pub(crate) use parameters::{LawParameters, name_fits};
+pub(crate) use parameters::{LawParameters, name_fits, number_named};
 pub(crate) use record::{Part, constants, record};
 pub(crate) use text_law::{TextLaw, no_value};
 

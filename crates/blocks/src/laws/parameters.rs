@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use blocksim_block::{ParamError, ParamValue, finite};
+use blocksim_block::{ParamError, ParamErrors, ParamValue};
 use blocksim_signal::{Dimension, Function, Value, closest};
 
 /// Names with their values.
@@ -10,27 +10,14 @@ use blocksim_signal::{Dimension, Function, Value, closest};
 pub(crate) struct LawParameters<'p>(pub &'p BTreeMap<String, ParamValue>);
 
 impl<'p> LawParameters<'p> {
-    /// Whether each is a number or a truth value of a name that a law can use.
-    ///
-    /// # Errors
-    /// The first that is not.
-    pub fn check(self) -> Result<(), ParamError> {
+    /// Reports names that a law cannot use, and values that are neither numbers nor truth values.
+    pub fn validate(self, errors: &mut ParamErrors) {
         for (name, ParamValue(value)) in self.0 {
-            name_fits("parameters", name)?;
-            match value {
-                Value::Bool(_) => {}
-                value => match value.as_number() {
-                    Some(quantity) => finite(name, quantity.value)
-                        .map_err(|error| ParamError { param: format!("parameters.{name}"), ..error })?,
-                    None => {
-                        let message = format!("`{name}` is {}, but must be a number", value.describe());
-                        return Err(ParamError::new(format!("parameters.{name}"), message)
-                            .help("a law computes with numbers and truth values"));
-                    }
-                },
+            errors.take(name_fits("parameters", name));
+            if value.as_bool().is_none() {
+                number_named(("parameters", name), value, "must be a number", errors);
             }
         }
-        Ok(())
     }
 
     /// The names.
@@ -54,19 +41,29 @@ impl<'p> LawParameters<'p> {
         Some(if dimension == Dimension::NONE { Dimension::OPEN } else { dimension })
     }
 
-    /// Whether all are among the names that the law uses.
-    ///
-    /// # Errors
-    /// The first that is not, with the name that may be meant.
-    pub fn are_used(self, used: &[&str]) -> Result<(), ParamError> {
-        let Some(unused) = self.names().into_iter().find(|name| !used.contains(name)) else { return Ok(()) };
-        let others: Vec<&str> = used.iter().copied().filter(|name| !self.0.contains_key(*name)).collect();
-        let error = ParamError::new("parameters", format!("the law does not use its parameter `{unused}`"));
-        Err(match closest(unused, others) {
-            Some(near) => error.help(format!("is `{near}` in the law meant to be `{unused}`?")),
-            None => error.help("use it in the law, or remove it"),
-        })
+    /// Reports those that are not among the names that the law uses, with the name that may be meant.
+    pub fn are_used(self, used: &[&str], errors: &mut ParamErrors) {
+        for unused in self.names().into_iter().filter(|name| !used.contains(name)) {
+            let others: Vec<&str> = used.iter().copied().filter(|name| !self.0.contains_key(*name)).collect();
+            let message = format!("the law does not use its parameter `{unused}`");
+            let error = ParamError::new(format!("parameters.{unused}"), message);
+            errors.add(match closest(unused, others) {
+                Some(near) => error.help(format!("is `{near}` in the law meant to be `{unused}`?")),
+                None => error.help("use it in the law, or remove it"),
+            });
+        }
     }
+}
+
+/// Reports a value of a set that is not a finite number.
+pub(crate) fn number_named((set, name): (&str, &str), value: &Value, demand: &str, errors: &mut ParamErrors) {
+    let message = match value.as_number() {
+        Some(quantity) if quantity.value.is_finite() => return,
+        Some(quantity) => format!("`{name}` is {}, but must be finite", quantity.value),
+        None => format!("`{name}` is {}, but {demand}", value.describe()),
+    };
+    let error = ParamError::new(format!("{set}.{name}"), message);
+    errors.add(error.help("a law computes with numbers and truth values"));
 }
 
 /// Whether a law can use a name.

@@ -13,32 +13,16 @@ pub enum Extrapolation {
     Linear,
 }
 
-/// Checks that breakpoints are finite and strictly increasing; one alone is enough only if nothing is extrapolated.
-///
-/// # Errors
-/// They are not; the error names the first that is wrong.
-pub(super) fn check_breakpoints(
+/// Reports breakpoints that are too few: one alone is enough only if nothing is extrapolated.
+pub(super) fn enough(
     name: &str,
     breakpoints: &[f64],
     extrapolation: Extrapolation,
-) -> Result<(), ParamError> {
-    let needed = if extrapolation == Extrapolation::Clip { 1 } else { 2 };
-    if breakpoints.len() < needed {
-        let message = format!("`{name}` has {} values, but needs at least {needed}", breakpoints.len());
-        return Err(ParamError::new(name, message).help("one alone is enough with `extrapolation: Clip`"));
-    }
-    for (i, value) in breakpoints.iter().enumerate() {
-        finite(&format!("{name}[{i}]"), *value)?;
-    }
-    match breakpoints.windows(2).position(|pair| pair[0] >= pair[1]) {
-        None => Ok(()),
-        Some(i) => {
-            let (before, after) = (breakpoints[i], breakpoints[i + 1]);
-            let message =
-                format!("`{name}[{}]` ({after}) must be greater than the one before ({before})", i + 1);
-            Err(ParamError::new(format!("{name}[{}]", i + 1), message)
-                .help("sort the breakpoints and name each only once"))
-        }
+    errors: &mut ParamErrors,
+) {
+    if breakpoints.len() == 1 && extrapolation != Extrapolation::Clip {
+        let error = ParamError::new(name, format!("`{name}` has 1 value, but needs at least 2"));
+        errors.add(error.help("one alone is enough with `extrapolation: Clip`"));
     }
 }
 

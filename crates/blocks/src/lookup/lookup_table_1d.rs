@@ -2,8 +2,8 @@ use blocksim_block::prelude::*;
 
 use super::akima;
 use super::interval::{
-    Extrapolation, Kinks, below, bends, check_breakpoints, in_interval, interval, mix, recorded_below,
-    recorded_mix, recorded_share, share,
+    Extrapolation, Kinks, below, bends, enough, in_interval, interval, mix, recorded_below, recorded_mix,
+    recorded_share, share,
 };
 use crate::continuous::units::{agrees, element};
 
@@ -29,8 +29,10 @@ use crate::continuous::units::{agrees, element};
 #[block(category = "Lookup", symbol = Curve(Table))]
 pub struct LookupTable1D {
     /// Values of the input, strictly increasing.
+    #[block(not_empty, finite, increasing, remedy = "sort the breakpoints and name each only once")]
     pub breakpoints: Vec<f64>,
     /// Values of the output, one for each breakpoint.
+    #[block(finite, as_many_as = breakpoints)]
     pub table: Vec<f64>,
     /// `Linear`, `Flat`, `Nearest` or `Cubic`.
     #[block(default = Interpolation::Linear)]
@@ -132,6 +134,11 @@ impl LookupTable1D {
             akima::curve(x, y, i, u)
         }
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        let ends = if self.steps() { Extrapolation::Clip } else { self.extrapolation };
+        enough("breakpoints", &self.breakpoints, ends, errors);
+    }
 }
 
 /// Adds guards for the places above and below the present one, for element `i` of `n`.
@@ -151,17 +158,6 @@ fn both(
 const FEW: usize = 32;
 
 impl Block for LookupTable1D {
-    fn check(&self) -> Result<(), ParamError> {
-        let ends = if self.steps() { Extrapolation::Clip } else { self.extrapolation };
-        check_breakpoints("breakpoints", &self.breakpoints, ends)?;
-        if self.table.len() != self.breakpoints.len() {
-            let (values, breakpoints) = (self.table.len(), self.breakpoints.len());
-            let message = format!("`table` has {values} values, but there are {breakpoints} breakpoints");
-            return Err(ParamError::new("table", message).help("give one value for each breakpoint"));
-        }
-        self.table.iter().enumerate().try_for_each(|(i, value)| finite(&format!("table[{i}]"), *value))
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         agrees(given, "breakpoints", "u", u.dimension)?;
@@ -325,7 +321,7 @@ mod tests {
             table: vec![4.0],
             ..block(Interpolation::Linear, Extrapolation::Linear)
         };
-        assert_eq!(line.check().unwrap_err().param, "breakpoints");
+        assert_eq!(line.errors()[0].param, "breakpoints");
     }
 
     #[test]
@@ -412,7 +408,7 @@ mod tests {
             (LookupTable1D { table: vec![1.0, 2.0, f64::NAN, 3.0], ..linear() }, "table[2]"),
         ];
         for (block, param) in refused {
-            assert_eq!(block.check().unwrap_err().param, param);
+            assert_eq!(block.errors()[0].param, param);
         }
     }
 }

@@ -1,7 +1,7 @@
 use blocksim_block::prelude::*;
 
 use super::interval::{
-    Extrapolation, Kinks, below, bends, check_breakpoints, in_interval, mix, recorded_below, recorded_mix,
+    Extrapolation, Kinks, below, bends, enough, in_interval, mix, recorded_below, recorded_mix,
     recorded_share, share,
 };
 use crate::continuous::units::{agrees, element};
@@ -26,10 +26,13 @@ use crate::continuous::units::{agrees, element};
 #[block(category = "Lookup", symbol = Curve(Table))]
 pub struct LookupTable2D {
     /// Values of `u1`, strictly increasing, one for each row.
+    #[block(not_empty, finite, increasing, remedy = "sort the breakpoints and name each only once")]
     pub rows: Vec<f64>,
     /// Values of `u2`, strictly increasing, one for each column.
+    #[block(not_empty, finite, increasing, remedy = "sort the breakpoints and name each only once")]
     pub columns: Vec<f64>,
     /// Values of the output, a list of rows.
+    #[block(finite, as_many_as = rows)]
     pub table: Vec<Vec<f64>>,
     /// `Clip` or `Linear`.
     #[block(default = Extrapolation::Linear)]
@@ -77,31 +80,20 @@ impl LookupTable2D {
         let along = |row: &[f64]| mix(row[j], row[(j + 1).min(row.len() - 1)], t);
         mix(along(&self.table[i]), along(&self.table[(i + 1).min(self.table.len() - 1)]), s)
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        enough("rows", &self.rows, self.extrapolation, errors);
+        enough("columns", &self.columns, self.extrapolation, errors);
+        let n = self.columns.len();
+        for (i, row) in self.table.iter().enumerate().filter(|(_, row)| row.len() != n) {
+            let message = format!("row {i} of `table` has {} values, but `columns` has {n}", row.len());
+            let error = ParamError::new(format!("table[{i}]"), message).beside(&["columns"]);
+            errors.add(error.help("give one value for each value of `columns`"));
+        }
+    }
 }
 
 impl Block for LookupTable2D {
-    fn check(&self) -> Result<(), ParamError> {
-        check_breakpoints("rows", &self.rows, self.extrapolation)?;
-        check_breakpoints("columns", &self.columns, self.extrapolation)?;
-        if self.table.len() != self.rows.len() {
-            let message =
-                format!("`table` has {} rows, but `rows` has {} values", self.table.len(), self.rows.len());
-            return Err(ParamError::new("table", message).help("give one row for each value of `rows`"));
-        }
-        for (i, row) in self.table.iter().enumerate() {
-            if row.len() != self.columns.len() {
-                let (values, columns) = (row.len(), self.columns.len());
-                let message = format!("row {i} of `table` has {values} values, but `columns` has {columns}");
-                return Err(ParamError::new(format!("table[{i}]"), message)
-                    .help("give one value for each value of `columns`"));
-            }
-            for (j, value) in row.iter().enumerate() {
-                finite(&format!("table[{i}][{j}]"), *value)?;
-            }
-        }
-        Ok(())
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         agrees(given, "rows", "u1", given.input_or_unknown("u1").dimension)?;
         agrees(given, "columns", "u2", given.input_or_unknown("u2").dimension)?;
@@ -310,7 +302,7 @@ mod tests {
             (short, "table[1]"),
         ];
         for (block, param) in refused {
-            assert_eq!(block.check().unwrap_err().param, param);
+            assert_eq!(block.errors()[0].param, param);
         }
     }
 }

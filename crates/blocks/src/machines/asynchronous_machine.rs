@@ -1,5 +1,4 @@
 use std::f64::consts::SQRT_2;
-use std::sync::OnceLock;
 
 use blocksim_block::prelude::*;
 
@@ -56,36 +55,37 @@ use super::induction::{Base, Cages, Circuit, Magnetisation};
 ///
 /// Source: P. C. Krause, O. Wasynczuk, S. D. Sudhoff, *Analysis of Electric Machinery* (2002), chapter 4.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines", symbol = Machine("M 3~"))]
+#[block(category = "Machines", symbol = Machine("M 3~"), builds = Motor)]
 pub struct AsynchronousMachine {
     /// Rated apparent power; it only scales what is in per unit.
-    #[block(unit = "W")]
+    #[block(unit = "W", positive)]
     pub rated_power: f64,
     /// Rated voltage, RMS from line to line.
-    #[block(unit = "V")]
+    #[block(unit = "V", positive)]
     pub rated_voltage: f64,
     /// Rated frequency, at which the reactances are given.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", positive)]
     pub rated_frequency: f64,
     /// Number of pole pairs $N$.
+    #[block(at_least = 1, zero = "rated frequency times 60 over the synchronous speed in rpm")]
     pub pole_pairs: u32,
     /// Resistance of a stator winding.
-    #[block(unit = "ohm")]
+    #[block(unit = "ohm", not_negative)]
     pub r_s: Impedance,
     /// Leakage reactance of a stator winding.
-    #[block(unit = "ohm")]
+    #[block(unit = "ohm", not_negative)]
     pub x_ls: Impedance,
     /// Resistance of the rotor, referred to the stator.
-    #[block(unit = "ohm")]
+    #[block(unit = "ohm", not_negative)]
     pub r_r: Impedance,
     /// Leakage reactance of the rotor, referred to the stator.
-    #[block(unit = "ohm")]
+    #[block(unit = "ohm", not_negative)]
     pub x_lr: Impedance,
     /// Magnetising reactance; needed without a table of saturation.
-    #[block(unit = "ohm", default = None)]
+    #[block(unit = "ohm", positive, default = None)]
     pub x_m: Option<Impedance>,
     /// Zero-sequence reactance; needed where a current of the zero sequence can flow, see above.
-    #[block(unit = "ohm", default = None)]
+    #[block(unit = "ohm", not_negative, default = None)]
     pub x_0: Option<Impedance>,
     /// `Ohm` or `PerUnit`.
     #[block(default = Impedances::Ohm)]
@@ -108,9 +108,6 @@ pub struct AsynchronousMachine {
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
     pub heat_port: bool,
-    /// What follows from the parameters, worked out when it is first used; `None` if they make no sense.
-    #[block(skip)]
-    motor: OnceLock<Option<Motor>>,
 }
 
 impl AsynchronousMachine {
@@ -118,73 +115,60 @@ impl AsynchronousMachine {
         Base::of(self.rated_power, self.rated_voltage, self.rated_frequency, self.pole_pairs)
     }
 
+    /// Whether a current of the zero sequence can flow.
+    fn has_zero_sequence(&self) -> bool {
+        self.zero_sequence == ZeroSequence::Include && has_zero_sequence(self.connection, &self.start)
+    }
+
     /// The equivalent circuit in per unit.
     ///
     /// # Errors
-    /// A reactance that is missing, a unit where none is expected, a curve without meaning.
+    /// A curve without meaning.
     pub fn circuit(&self) -> Result<Circuit, ParamError> {
         let base = self.base();
-        let scaled = |name: &str, value: Impedance| value.per_unit(name, self.impedances, base.z);
-        let l_ls = scaled("x_ls", self.x_ls)?;
+        let scaled = |value: Impedance| value.per_unit(self.impedances, base.z);
+        let l_ls = scaled(self.x_ls);
         let (current, voltage) = (base.i / SQRT_2, self.rated_voltage);
-        let magnetisation = match (self.saturation.curve(current, voltage, l_ls)?, self.x_m) {
-            (Some(curve), _) => curve,
-            (None, Some(x_m)) => {
-                let l_m = scaled("x_m", x_m)?;
-                positive("x_m", l_m)?;
-                Magnetisation::linear(l_m)
-            }
-            (None, None) => {
-                return Err(ParamError::new("x_m", "`x_m` is missing")
-                    .help("give the magnetising reactance, or a `saturation: Table(..)`"));
-            }
-        };
-        let (r, l) = (scaled("r_r", self.r_r)?, scaled("x_lr", self.x_lr)?);
+        let curve = self.saturation.curve(current, voltage, l_ls)?;
+        // Without a curve there is an `x_m`.
+        let magnetisation = curve.unwrap_or_else(|| Magnetisation::linear(self.x_m.map_or(f64::NAN, scaled)));
+        let (r, l) = (scaled(self.r_r), scaled(self.x_lr));
         let cages = match self.cage {
             Cage::Single => Cages::Single { r, l },
-            Cage::Double { r_r2, x_lr2, x_lr12 } => Cages::Double {
-                r: [r, scaled("cage.r_r2", r_r2)?],
-                l: [l, scaled("cage.x_lr2", x_lr2)?],
-                common: scaled("cage.x_lr12", x_lr12)?,
-            },
+            Cage::Double { r_r2, x_lr2, x_lr12 } => {
+                Cages::Double { r: [r, scaled(r_r2)], l: [l, scaled(x_lr2)], common: scaled(x_lr12) }
+            }
         };
-        let x_0 = self.x_0.map(|x_0| scaled("x_0", x_0)).transpose()?;
-        if let Some(x_0) = x_0 {
-            not_negative("x_0", x_0)?;
-        }
-        let flows =
-            self.zero_sequence == ZeroSequence::Include && has_zero_sequence(self.connection, &self.start);
-        if flows && x_0.is_none() {
-            return Err(ParamError::new(
-                "x_0",
-                "`x_0` is missing, but a current of the zero sequence can flow",
-            )
-            .help("give the reactance, about that of the leakage, or write `zero_sequence: Exclude`"));
-        }
-        Ok(Circuit { r_s: scaled("r_s", self.r_s)?, l_ls, magnetisation, cages, l_0: x_0.filter(|_| flows) })
+        let l_0 = self.x_0.filter(|_| self.has_zero_sequence()).map(scaled);
+        Ok(Circuit { r_s: scaled(self.r_s), l_ls, magnetisation, cages, l_0 })
     }
 
-    fn motor(&self) -> Result<Motor, ParamError> {
-        positive("rated_power", self.rated_power)?;
-        positive("rated_voltage", self.rated_voltage)?;
-        positive("rated_frequency", self.rated_frequency)?;
-        if self.pole_pairs == 0 {
-            return Err(ParamError::new("pole_pairs", "`pole_pairs` is 0, but a machine has poles")
-                .help("rated frequency times 60 over the synchronous speed in rpm"));
+    fn validate(&self, errors: &mut ParamErrors) {
+        let given = [("r_s", self.r_s), ("x_ls", self.x_ls), ("r_r", self.r_r), ("x_lr", self.x_lr)];
+        let optional = [("x_m", self.x_m), ("x_0", self.x_0)];
+        let optional = optional.into_iter().filter_map(|(name, value)| Some((name, value?)));
+        for (name, value) in given.into_iter().chain(optional).chain(self.cage.impedances()) {
+            errors.take(value.fits(name, self.impedances));
         }
+        if self.x_m.is_none() && self.saturation == Saturation::None {
+            errors.add(
+                ParamError::new("x_m", "`x_m` is missing")
+                    .help("give the magnetising reactance, or a `saturation: Table(..)`"),
+            );
+        }
+        if self.x_0.is_none() && self.has_zero_sequence() {
+            let message = "`x_0` is missing, but a current of the zero sequence can flow";
+            let help = "give the reactance, about that of the leakage, or write `zero_sequence: Exclude`";
+            errors.add(ParamError::new("x_0", message).help(help));
+        }
+        self.start.validate(errors);
+    }
+
+    fn build(self, errors: &mut ParamErrors) -> Option<Motor> {
+        let circuit = errors.take(self.circuit())?;
         let motor =
-            Motor::new((self.base(), self.rated_power), self.circuit()?, self.connection, &self.start)?;
-        Ok(motor.with_heat_port(self.heat_port))
-    }
-}
-
-impl Block for AsynchronousMachine {
-    fn check(&self) -> Result<(), ParamError> {
-        self.motor().map(drop)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        self.motor.get_or_init(|| self.motor().ok()).as_ref().map(|motor| motor as &dyn Component)
+            Motor::new((self.base(), self.rated_power), circuit, self.connection, &self.start, errors)?;
+        Some(motor.with_heat_port(self.heat_port))
     }
 }
 

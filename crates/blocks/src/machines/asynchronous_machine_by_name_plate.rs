@@ -1,5 +1,4 @@
 use std::f64::consts::TAU;
-use std::sync::OnceLock;
 
 use blocksim_block::in_unit;
 use blocksim_block::prelude::*;
@@ -35,42 +34,48 @@ use super::induction::{self, Circuit, NamePlate};
 /// Source: J. Pedra, F. Corcoles, *Estimation of induction motor double-cage model parameters from manufacturer data*,
 /// IEEE Trans. Energy Conversion 19 (2004), for the equations and the choice of unknowns.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines", symbol = Machine("M 3~"))]
+#[block(category = "Machines", symbol = Machine("M 3~"), builds = Motor)]
 pub struct AsynchronousMachineByNamePlate {
     /// Rated power at the shaft.
-    #[block(unit = "W")]
+    #[block(unit = "W", positive)]
     pub power: f64,
     /// Rated voltage, RMS from line to line; with open windings, that of a winding.
-    #[block(unit = "V")]
+    #[block(unit = "V", positive)]
     pub voltage: f64,
     /// Rated frequency.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", positive)]
     pub frequency: f64,
     /// Number of pole pairs.
+    #[block(at_least = 1, zero = "frequency times 60 over the speed in rpm, rounded down")]
     pub pole_pairs: u32,
     /// Speed of the shaft at rated power.
-    #[block(unit = "rad/s")]
+    #[block(unit = "rad/s", positive)]
     pub speed: f64,
     /// Power factor at rated power.
-    #[block(unit = "1")]
+    #[block(unit = "1", positive, below = 1.0)]
     pub power_factor: f64,
     /// Power at the shaft over power from the lines, at rated power.
-    #[block(unit = "1")]
+    #[block(unit = "1", positive, below = 1.0)]
     pub efficiency: f64,
     /// Largest torque over rated torque.
-    #[block(unit = "1")]
+    #[block(
+        unit = "1",
+        finite,
+        above = 1.0,
+        remedy = "it is the maximum torque over the rated one, so more than 1"
+    )]
     pub breakdown_torque: f64,
     /// Standstill: `(torque: .., current: ..)` over rated values; `None` for a single cage.
     #[block(default = None)]
     pub locked_rotor: Option<LockedRotor>,
     /// Part of the losses that is friction and fan; it is not simulated: add a `RotationalDamper` or a `QuadraticLoad`.
-    #[block(unit = "W", default = 0.0)]
+    #[block(unit = "W", not_negative, default = 0.0)]
     pub mechanical_loss: f64,
     /// Leakage reactance of the stator over that of the cage, the outer one of two.
-    #[block(unit = "1", default = 1.0)]
+    #[block(unit = "1", positive, default = 1.0)]
     pub leakage_ratio: f64,
     /// Deviation of the figures that is accepted.
-    #[block(unit = "1", default = 0.01)]
+    #[block(unit = "1", not_negative, default = 0.01)]
     pub tolerance: f64,
     /// `Delta`, `Wye` or `Open`.
     #[block(default = Connection::Delta)]
@@ -81,9 +86,6 @@ pub struct AsynchronousMachineByNamePlate {
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
     pub heat_port: bool,
-    /// What follows from the parameters, worked out when it is first used.
-    #[block(skip)]
-    motor: OnceLock<Result<Motor, ParamError>>,
 }
 
 /// Standstill at rated voltage and frequency.
@@ -123,39 +125,24 @@ impl AsynchronousMachineByNamePlate {
     /// The equivalent circuit in per unit; the base is the apparent power that is drawn at rated power.
     ///
     /// # Errors
-    /// Figures that make no sense, contradict each other, or fit no circuit.
+    /// Figures that fit no circuit.
     pub fn circuit(&self) -> Result<Circuit, ParamError> {
         let circuit = self.plate().circuit()?;
         let zero = has_zero_sequence(self.connection, &self.start);
         Ok(Circuit { l_0: zero.then_some(circuit.l_ls), ..circuit })
     }
 
-    fn motor(&self) -> &Result<Motor, ParamError> {
-        self.motor.get_or_init(|| {
-            if self.pole_pairs == 0 {
-                return Err(ParamError::new("pole_pairs", "`pole_pairs` is 0, but a machine has poles")
-                    .help("frequency times 60 over the speed in rpm, rounded down"));
-            }
-            positive("speed", self.speed)?;
-            let (circuit, base) = (self.circuit()?, self.plate().base());
-            let motor = Motor::new(
-                (base, self.power / (self.efficiency * self.power_factor)),
-                circuit,
-                self.connection,
-                &self.start,
-            )?;
-            Ok(motor.with_heat_port(self.heat_port))
-        })
-    }
-}
-
-impl Block for AsynchronousMachineByNamePlate {
-    fn check(&self) -> Result<(), ParamError> {
-        self.motor().as_ref().map(drop).map_err(Clone::clone)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.plate().validate(errors);
+        self.start.validate(errors);
     }
 
-    fn component(&self) -> Option<&dyn Component> {
-        self.motor().as_ref().ok().map(|motor| motor as &dyn Component)
+    fn build(self, errors: &mut ParamErrors) -> Option<Motor> {
+        let circuit = errors.take(self.circuit())?;
+        let apparent = self.power / (self.efficiency * self.power_factor);
+        let motor =
+            Motor::new((self.plate().base(), apparent), circuit, self.connection, &self.start, errors)?;
+        Some(motor.with_heat_port(self.heat_port))
     }
 }
 
@@ -184,7 +171,6 @@ mod tests {
             connection,
             start: Start::Magnetised { voltage: 400.0, frequency: 50.0, slip: 0.012 },
             heat_port: false,
-            motor: OnceLock::new(),
         }
     }
 
@@ -192,8 +178,7 @@ mod tests {
     fn at_rated_speed_the_machine_does_what_its_name_plate_says() {
         for connection in [Connection::Delta, Connection::Wye] {
             let machine = machine(connection);
-            assert_eq!(machine.check(), Ok(()));
-            let component = machine.component().expect("a component");
+            let component = machine.clone().built();
             let part = component.part(&Given::nothing());
             let x: Vec<f64> = part.states.iter().map(|state| state.initial).collect();
             let amplitude = 400.0 * (2.0_f64 / 3.0).sqrt();
@@ -220,7 +205,8 @@ mod tests {
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        let refused = |machine: AsynchronousMachineByNamePlate| machine.check().unwrap_err().param;
+        let refused =
+            |machine: AsynchronousMachineByNamePlate| machine.try_build().unwrap_err()[0].param.clone();
         let good = || machine(Connection::Delta);
         assert_eq!(refused(AsynchronousMachineByNamePlate { pole_pairs: 0, ..good() }), "pole_pairs");
         assert_eq!(refused(AsynchronousMachineByNamePlate { pole_pairs: 3, ..good() }), "speed");
@@ -228,6 +214,11 @@ mod tests {
         assert_eq!(refused(AsynchronousMachineByNamePlate { frequency: 0.0, ..good() }), "frequency");
         assert_eq!(refused(AsynchronousMachineByNamePlate { frequency: f64::NAN, ..good() }), "frequency");
         let small = AsynchronousMachineByNamePlate { breakdown_torque: 5.0, ..good() };
-        assert!(small.component().is_none());
+        assert!(small.try_build().is_err());
+        assert_eq!(
+            refused(AsynchronousMachineByNamePlate { breakdown_torque: 0.9, ..good() }),
+            "breakdown_torque"
+        );
+        assert_eq!(refused(AsynchronousMachineByNamePlate { power_factor: 1.2, ..good() }), "power_factor");
     }
 }

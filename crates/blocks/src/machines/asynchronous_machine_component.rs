@@ -15,7 +15,7 @@ const STANDSTILL: f64 = 1e-6;
 
 /// Everything that does not change while a machine runs.
 #[derive(Debug, Clone)]
-pub(super) struct Motor {
+pub struct Motor {
     base: Base,
     machine: Machine,
     /// Rated apparent power, V*A.
@@ -40,17 +40,19 @@ pub(super) fn has_zero_sequence(connection: Connection, start: &Start) -> bool {
 }
 
 impl Motor {
-    /// From base values, the rated apparent power (V*A), a circuit, and the rated frequency (Hz).
-    ///
-    /// # Errors
-    /// A circuit without meaning; a start that no supply can bring about.
+    /// From base values, the rated apparent power (V*A), a circuit, and the rated frequency (Hz). Reported are a circuit without
+    /// meaning, and a start that no supply can bring about.
     pub(super) fn new(
         (base, power): (Base, f64),
         circuit: Circuit,
         connection: Connection,
         start: &Start,
-    ) -> Result<Self, ParamError> {
-        circuit.check()?;
+        errors: &mut ParamErrors,
+    ) -> Option<Self> {
+        circuit.validate(errors);
+        if !errors.is_empty() {
+            return None;
+        }
         // In delta a winding lies between two lines: its voltage is larger than that of a phase, and a line feeds two.
         let delta = match connection {
             Connection::Delta => 3.0_f64.sqrt(),
@@ -70,8 +72,8 @@ impl Motor {
             heat_port: false,
         };
         motor.turns = matches!(start, Start::Magnetised { .. });
-        motor.start = motor.fluxes(start)?;
-        Ok(motor)
+        motor.start = motor.fluxes(start, errors)?;
+        Some(motor)
     }
 
     /// The same with a port for heat, if that is wanted.
@@ -79,42 +81,39 @@ impl Motor {
         Self { heat_port, ..self }
     }
 
-    fn fluxes(&self, start: &Start) -> Result<Vec<f64>, ParamError> {
+    fn fluxes(&self, start: &Start, errors: &mut ParamErrors) -> Option<Vec<f64>> {
         let machine = &self.machine;
         match *start {
-            Start::Zero => Ok(vec![0.0; machine.states()]),
+            Start::Zero => Some(vec![0.0; machine.states()]),
             Start::Magnetised { voltage, frequency, slip } => {
-                not_negative("start.voltage", voltage)?;
-                finite("start.frequency", frequency)?;
-                finite("start.slip", slip)?;
                 let peak = SQRT_2 * voltage;
                 let at_terminals =
                     if self.connection == Connection::Open { peak } else { peak / 3.0_f64.sqrt() };
                 let w = TAU * frequency / self.base.w;
                 let psi = machine.steady_fluxes(self.voltage * at_terminals, w, slip * w);
                 if psi.iter().all(|psi| psi.is_finite()) {
-                    return Ok(psi);
+                    return Some(psi);
                 }
                 let message = "this supply and slip have no steady state: the current is not limited";
-                Err(ParamError::new("start", message)
-                    .help("give the windings their resistances, or write `start: Zero`"))
+                let help = "give the windings their resistances, or write `start: Zero`";
+                errors.add(ParamError::new("start", message).help(help));
+                None
             }
             Start::Explicit { psi_s, psi_r, psi_r2, psi_0s } => {
                 let mut psi = [psi_s, psi_r, psi_r2].concat();
                 if machine.circuit().cages.count() == 1 && psi_r2 != [0.0; 2] {
                     let message = "`psi_r2` is the flux of a second cage, but there is one cage";
-                    return Err(ParamError::new("start.psi_r2", message)
-                        .help("leave it out, or write `cage: Double(..)`"));
+                    let error = ParamError::new("start.psi_r2", message);
+                    errors.add(error.help("leave it out, or write `cage: Double(..)`"));
                 }
                 psi.truncate(2 * (1 + machine.circuit().cages.count()));
                 if machine.circuit().l_0.is_some() {
                     psi.push(psi_0s);
                 } else if psi_0s != 0.0 {
                     let message = "`psi_0s` is not 0, but no current of the zero sequence can flow";
-                    return Err(ParamError::new("start.psi_0s", message).help("leave it out"));
+                    errors.add(ParamError::new("start.psi_0s", message).help("leave it out"));
                 }
-                psi.iter().try_for_each(|psi| finite("start", *psi))?;
-                Ok(psi)
+                errors.is_empty().then_some(psi)
             }
         }
     }

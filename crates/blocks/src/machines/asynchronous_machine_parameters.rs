@@ -51,6 +51,29 @@ pub enum Start {
     },
 }
 
+impl Start {
+    /// Reports numbers that are none.
+    pub(super) fn validate(&self, errors: &mut ParamErrors) {
+        match *self {
+            Start::Zero => {}
+            Start::Magnetised { voltage, frequency, slip } => {
+                errors.take(not_negative("start.voltage", voltage));
+                errors.take(finite("start.frequency", frequency));
+                errors.take(finite("start.slip", slip));
+            }
+            Start::Explicit { psi_s, psi_r, psi_r2, psi_0s } => {
+                for (name, psi) in
+                    [("psi_s", psi_s), ("psi_r", psi_r), ("psi_r2", psi_r2), ("psi_0s", [psi_0s; 2])]
+                {
+                    if let Some(psi) = psi.iter().find(|psi| !psi.is_finite()) {
+                        errors.take(finite(&format!("start.{name}"), *psi));
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// In what resistances and reactances are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 pub enum Impedances {
@@ -69,6 +92,12 @@ pub struct Impedance {
     measure: Measure,
 }
 
+impl Inspect for Impedance {
+    fn numbers(&self, place: &mut Vec<usize>, see: &mut dyn FnMut(&[usize], f64)) {
+        see(place, self.measure.value);
+    }
+}
+
 impl Impedance {
     /// A number without unit.
     pub const fn bare(value: f64) -> Self {
@@ -76,20 +105,23 @@ impl Impedance {
     }
 
     /// In per unit, on the base `z_base` (ohm).
+    pub(super) fn per_unit(self, given: Impedances, z_base: f64) -> f64 {
+        match given {
+            Impedances::Ohm => self.measure.value / z_base,
+            Impedances::PerUnit => self.measure.value,
+        }
+    }
+
+    /// Whether the unit is the one that is expected.
     ///
     /// # Errors
-    /// A unit where none is expected.
-    pub(super) fn per_unit(self, name: &str, given: Impedances, z_base: f64) -> Result<f64, ParamError> {
-        let Measure { value, has_unit } = self.measure;
-        match given {
-            Impedances::Ohm => Ok(value / z_base),
-            Impedances::PerUnit if has_unit => Err(ParamError::new(
-                name,
-                format!("`{name}` is in ohm, but `impedances: PerUnit` asks for none"),
-            )
-            .help("leave the unit away, or write `impedances: Ohm`")),
-            Impedances::PerUnit => Ok(value),
+    /// A unit where none is.
+    pub(super) fn fits(self, name: &str, given: Impedances) -> Result<(), ParamError> {
+        if given == Impedances::Ohm || !self.measure.has_unit {
+            return Ok(());
         }
+        let message = format!("`{name}` is in ohm, but `impedances: PerUnit` asks for none");
+        Err(ParamError::new(name, message).help("leave the unit away, or write `impedances: Ohm`"))
     }
 }
 
@@ -110,6 +142,18 @@ pub enum Cage {
         #[serde(default = "nothing")]
         x_lr12: Impedance,
     },
+}
+
+impl Cage {
+    /// The impedances of a second cage, with their names.
+    pub(super) fn impedances(&self) -> Vec<(&'static str, Impedance)> {
+        match *self {
+            Cage::Single => Vec::new(),
+            Cage::Double { r_r2, x_lr2, x_lr12 } => {
+                vec![("cage.r_r2", r_r2), ("cage.x_lr2", x_lr2), ("cage.x_lr12", x_lr12)]
+            }
+        }
+    }
 }
 
 fn nothing() -> Impedance {

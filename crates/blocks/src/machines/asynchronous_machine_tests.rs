@@ -26,7 +26,6 @@ fn machine() -> AsynchronousMachine {
         connection: Connection::Delta,
         start: Start::Zero,
         heat_port: false,
-        motor: OnceLock::new(),
     }
 }
 
@@ -40,13 +39,12 @@ fn close(found: f64, expected: f64, digit: f64) {
 
 /// States at the start.
 fn start_of(machine: &AsynchronousMachine) -> Vec<f64> {
-    assert_eq!(machine.check(), Ok(()));
-    let part = machine.component().expect("a component").part(&Given::nothing());
+    let part = machine.clone().built().part(&Given::nothing());
     part.states.iter().map(|state| state.initial).collect()
 }
 
 fn measured(machine: &AsynchronousMachine, c: &Law) -> [f64; out::COUNT] {
-    let (component, mut y) = (machine.component().expect("a component"), [0.0; out::COUNT]);
+    let (component, mut y) = (machine.clone().built(), [0.0; out::COUNT]);
     component.measure(c, Needs::State, &mut y);
     component.measure(c, Needs::Electrics, &mut y);
     y
@@ -54,7 +52,7 @@ fn measured(machine: &AsynchronousMachine, c: &Law) -> [f64; out::COUNT] {
 
 fn changes(machine: &AsynchronousMachine, c: &Law) -> Vec<f64> {
     let mut change = vec![f64::NAN; c.x.len()];
-    machine.component().expect("a component").derivatives(c, &mut change);
+    Component::derivatives(&machine.clone().built(), c, &mut change);
     change
 }
 
@@ -91,7 +89,7 @@ fn a_magnetised_start_is_the_steady_state_of_the_equivalent_circuit() {
         close(y[out::V_RMS], 220.0, 1e-9);
         assert!((y[out::SLIP] - slip).abs() < 1e-12);
         close(y[out::POWER] / (3.0 * 220.0 * y[out::I_RMS]), factor, 1e-4);
-        let [d, q, zero] = machine.component().expect("a component").line_current(&c);
+        let [d, q, zero] = machine.clone().built().line_current(&c);
         close(d.hypot(q) / SQRT_2, line, 1e-4);
         let from_lines = 1.5 * c.supply.voltage[0] * d;
         assert!((from_lines - y[out::POWER]).abs() < 1e-9 * y[out::POWER] && zero == 0.0);
@@ -161,7 +159,7 @@ fn open_windings_in_delta_are_three_single_phase_windings() {
     let supply = Supply { voltage: [lines[0], lines[1]], ..Supply::default() };
     let c = Law { x: &fluxes, speed: &[120.0], supply: &supply, ..law() };
     let expected = changes(&inside, &c);
-    let inside_lines = inside.component().expect("a component").line_current(&c);
+    let inside_lines = inside.clone().built().line_current(&c);
 
     let open = AsynchronousMachine { connection: Connection::Open, ..machine() };
     let [a, b, c_] = from_space_vector(lines);
@@ -182,7 +180,7 @@ fn open_windings_in_delta_are_three_single_phase_windings() {
         let [d, q] = turn(expected[2 * k], expected[2 * k + 1]);
         assert!((found[2 * k] - d).abs() + (found[2 * k + 1] - q).abs() < 1e-10, "{found:?} {expected:?}");
     }
-    let [w_a, w_b, w_c] = from_space_vector(open.component().expect("a component").line_current(&law_open));
+    let [w_a, w_b, w_c] = from_space_vector(open.clone().built().line_current(&law_open));
     let outside = [w_a - w_c, w_b - w_a, w_c - w_b];
     for (found, expected) in outside.iter().zip(from_space_vector(inside_lines)) {
         assert!((found - expected).abs() < 1e-10, "{found} {expected}");
@@ -199,7 +197,7 @@ fn the_answer_of_the_lines_is_that_of_their_currents() {
     };
     for connection in [Connection::Delta, Connection::Wye, Connection::Open] {
         let machine = AsynchronousMachine { connection, saturation: saturation.clone(), ..machine() };
-        let component = machine.component().expect("a component");
+        let component = machine.clone().built();
         let x: Vec<f64> = [0.5, -0.9, 0.3, -0.7, 0.2][..start_of(&machine).len()].to_vec();
         let supply = Supply { voltage: [150.0, -60.0], zero: 30.0, frequency: 20.0, angle: 0.4 };
         let c = Law { x: &x, speed: &[150.0], supply: &supply, ..law() };
@@ -223,7 +221,7 @@ fn the_answer_of_the_lines_is_that_of_their_currents() {
 #[test]
 fn volt_seconds_change_the_currents_by_the_transient_inductance() {
     let machine = AsynchronousMachine { connection: Connection::Open, ..machine() };
-    let component = machine.component().expect("a component");
+    let component = machine.clone().built();
     let x = [0.5, -0.9, 0.3, -0.7, 0.2];
     let c = Law { x: &x, speed: &[150.0], ..law() };
     let (mut internal, mut inverse) = ([0.0; 3], [0.0; 9]);
@@ -246,7 +244,7 @@ fn without_zero_sequence_open_windings_draw_none() {
     assert_eq!(x.len(), 4);
     let supply = Supply { zero: 50.0, ..mains() };
     let c = Law { x: &x, speed: &[0.0], supply: &supply, ..law() };
-    let component = machine.component().expect("a component");
+    let component = machine.clone().built();
     assert_eq!(component.line_current(&c)[2], 0.0);
     let (mut internal, mut inverse) = ([f64::NAN; 3], [f64::NAN; 9]);
     component.reluctance(&c, &mut internal, &mut inverse);
@@ -262,7 +260,7 @@ fn a_circulating_current_of_a_delta_decays_by_itself() {
     let c = Law { x: &psi, speed: &[0.0], supply: &mains(), ..law() };
     let rate = 0.25 / 0.9 * TAU * 60.0;
     assert!((changes(&machine, &c)[4] + 0.1 * rate).abs() < 1e-12);
-    assert_eq!(machine.component().expect("a component").line_current(&c)[2], 0.0);
+    assert_eq!(machine.clone().built().line_current(&c)[2], 0.0);
 }
 
 #[test]
@@ -318,8 +316,7 @@ fn a_table_in_volts_and_amperes_is_the_one_in_per_unit() {
 #[test]
 fn parameters_without_meaning_are_refused() {
     let refused = |machine: AsynchronousMachine, param: &str| {
-        assert_eq!(machine.check().unwrap_err().param, param);
-        assert!(machine.component().is_none());
+        assert_eq!(machine.try_build().unwrap_err()[0].param, param);
     };
     let zero = Impedance::bare(0.0);
     refused(AsynchronousMachine { pole_pairs: 0, ..machine() }, "pole_pairs");

@@ -31,22 +31,22 @@ use super::warm_winding::WarmWinding;
 #[block(category = "Machines", symbol = Machine("M"))]
 pub struct DcMotor {
     /// Resistance of the winding; may be zero unless the inductance is.
-    #[block(unit = "ohm")]
+    #[block(unit = "ohm", not_negative)]
     pub r: f64,
     /// Inductance of the winding; may be zero unless the resistance is.
-    #[block(unit = "H")]
+    #[block(unit = "H", not_negative)]
     pub l: f64,
     /// Torque constant and, with the same number, back-EMF constant.
-    #[block(unit = "N*m/A")]
+    #[block(unit = "N*m/A", finite)]
     pub k: f64,
     /// Moment of inertia of the rotor; zero is allowed where something else gives the shaft its inertia.
-    #[block(unit = "kg*m^2")]
+    #[block(unit = "kg*m^2", not_negative)]
     pub j: f64,
     /// Damping of the rotor.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub damping: f64,
     /// Current at the start; only with an inductance.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i0: f64,
     /// Heat of the motor.
     #[block(group)]
@@ -63,32 +63,21 @@ impl DcMotor {
     fn resistance(&self, c: &Law) -> f64 {
         self.warm.resistance(self.r, c)
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        if self.l == 0.0 && self.r == 0.0 {
+            let error = ParamError::new("r", "`r` and `l` are both 0, so nothing limits the current");
+            errors.add(error.beside(&["l"]).help("give the winding its resistance"));
+        }
+        no_start_without_inductance(self.l, self.i0, errors);
+    }
 }
 
-impl Block for DcMotor {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("r", self.r)?;
-        not_negative("l", self.l)?;
-        if self.l == 0.0 && self.r == 0.0 {
-            return Err(ParamError::new("r", "`r` and `l` are both 0, so nothing limits the current")
-                .help("give the winding its resistance"));
-        }
-        finite("k", self.k)?;
-        not_negative("j", self.j)?;
-        not_negative("damping", self.damping)?;
-        finite("i0", self.i0)?;
-        if self.l == 0.0 && self.i0 != 0.0 {
-            return Err(ParamError::new(
-                "i0",
-                "without inductance the current has no start value of its own",
-            )
-            .help("leave `i0` out, or give the winding its inductance `l`"));
-        }
-        self.warm.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+/// Reports a current at the start that is no state.
+pub(super) fn no_start_without_inductance(l: f64, i0: f64, errors: &mut ParamErrors) {
+    if l == 0.0 && i0 != 0.0 {
+        let error = ParamError::new("i0", "without inductance the current has no start value of its own");
+        errors.add(error.beside(&["l"]).help("leave `i0` out, or give the winding its inductance `l`"));
     }
 }
 
@@ -200,7 +189,7 @@ mod tests {
     fn a_warm_winding_has_more_resistance_and_its_heat_leaves_apart_from_that_of_the_rotor() {
         let warm = WarmWinding { heat_port: true, rotor_heat_port: true, alpha: 4e-3, ..WarmWinding::NONE };
         let motor = DcMotor { warm, ..MOTOR };
-        assert_eq!(motor.check(), Ok(()));
+        assert_eq!(motor.errors()[..], []);
         let places = crate::electrical::testing::places(&motor);
         // Winding, then the temperatures of both ports: 50 K above the reference.
         let voltage = [48.0, 343.15, 300.0];
@@ -215,9 +204,9 @@ mod tests {
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        assert_eq!(DcMotor { r: 0.0, l: 0.0, ..MOTOR }.check().unwrap_err().param, "r");
-        assert_eq!(DcMotor { l: 0.0, ..MOTOR }.check().unwrap_err().param, "i0");
-        assert_eq!(DcMotor { j: -1.0, ..MOTOR }.check().unwrap_err().param, "j");
-        assert_eq!(MOTOR.check(), Ok(()));
+        assert_eq!(DcMotor { r: 0.0, l: 0.0, ..MOTOR }.errors()[0].param, "r");
+        assert_eq!(DcMotor { l: 0.0, ..MOTOR }.errors()[0].param, "i0");
+        assert_eq!(DcMotor { j: -1.0, ..MOTOR }.errors()[0].param, "j");
+        assert_eq!(MOTOR.errors()[..], []);
     }
 }

@@ -1,8 +1,6 @@
-use std::sync::OnceLock;
-
 use blocksim_block::prelude::*;
 
-use super::dc_motor::DcMotor;
+use super::dc_motor::{DcMotor, no_start_without_inductance};
 use super::dc_motor_line::TorqueLine;
 use super::warm_winding::WarmWinding;
 
@@ -26,41 +24,38 @@ use super::warm_winding::WarmWinding;
 /// )
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines", symbol = Machine("M"))]
+#[block(category = "Machines", symbol = Machine("M"), builds = DcMotor)]
 pub struct DcMotorByRating {
     /// Rated power of the shaft.
-    #[block(unit = "W")]
+    #[block(unit = "W", positive)]
     pub rated_power: f64,
     /// Speed at which the motor gives its rated power.
-    #[block(unit = "rad/s")]
+    #[block(unit = "rad/s", positive)]
     pub rated_speed: f64,
     /// Speed without load, above the rated speed.
-    #[block(unit = "rad/s")]
+    #[block(unit = "rad/s", finite, above = rated_speed)]
     pub no_load_speed: f64,
     /// Voltage at which all of these hold.
-    #[block(unit = "V")]
+    #[block(unit = "V", positive)]
     pub voltage: f64,
     /// Inductance of the winding; may be zero.
-    #[block(unit = "H")]
+    #[block(unit = "H", not_negative)]
     pub l: f64,
     /// Moment of inertia of the rotor; zero is allowed where something else gives the shaft its inertia.
-    #[block(unit = "kg*m^2")]
+    #[block(unit = "kg*m^2", not_negative)]
     pub j: f64,
     /// Current without load; instead of `damping`.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", not_negative, default = 0.0)]
     pub no_load_current: f64,
     /// Damping of the rotor; instead of `no_load_current`.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub damping: f64,
     /// Current at the start; only with an inductance.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i0: f64,
     /// Heat of the motor.
     #[block(group)]
     pub warm: WarmWinding,
-    /// The motor that follows, worked out when it is first used.
-    #[block(skip)]
-    pub motor: OnceLock<DcMotor>,
 }
 
 impl DcMotorByRating {
@@ -70,24 +65,13 @@ impl DcMotorByRating {
         TorqueLine { stall_torque, no_load_speed, voltage, no_load_current, damping }
     }
 
-    /// The motor that follows from the data.
-    pub fn motor(&self) -> &DcMotor {
-        self.motor.get_or_init(|| self.line().motor(self.l, self.j, self.i0, self.warm))
-    }
-}
-
-impl Block for DcMotorByRating {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("rated_power", self.rated_power)?;
-        positive("rated_speed", self.rated_speed)?;
-        finite("no_load_speed", self.no_load_speed)?;
-        ordered("rated_speed", self.rated_speed, "no_load_speed", self.no_load_speed)?;
-        self.line().check()?;
-        self.motor().check()
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.line().validate(errors);
+        no_start_without_inductance(self.l, self.i0, errors);
     }
 
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self.motor())
+    fn build(self, _errors: &mut ParamErrors) -> Option<DcMotor> {
+        Some(self.line().motor(self.l, self.j, self.i0, self.warm))
     }
 }
 
@@ -107,25 +91,23 @@ mod tests {
             damping: 0.0,
             i0: 0.0,
             warm: WarmWinding::NONE,
-            motor: OnceLock::new(),
         }
     }
 
     #[test]
     fn the_motor_without_losses_has_the_formulas_of_the_rated_point() {
-        let motor = motor();
-        assert_eq!(motor.check(), Ok(()));
+        let motor = motor().built();
         let k: f64 = 48.0 / 340.0;
         let r = k * (48.0 - k * 300.0) / (200.0 / 300.0);
-        assert!((motor.motor().k / k - 1.0).abs() < 1e-14);
-        assert!((motor.motor().r / r - 1.0).abs() < 1e-13, "{} != {r}", motor.motor().r);
+        assert!((motor.k / k - 1.0).abs() < 1e-14);
+        assert!((motor.r / r - 1.0).abs() < 1e-13, "{} != {r}", motor.r);
     }
 
     #[test]
     fn the_motor_gives_its_rated_power_and_turns_freely_without_it() {
         for (no_load_current, damping) in [(0.0, 0.0), (0.3, 0.0), (0.0, 5e-5)] {
             let rated = DcMotorByRating { no_load_current, damping, ..motor() };
-            let DcMotor { r, k, damping, .. } = *rated.motor();
+            let DcMotor { r, k, damping, .. } = rated.clone().built();
             let torque = |w: f64| k * (48.0 - k * w) / r - damping * w;
             assert!((300.0 * torque(300.0) - 200.0).abs() < 1e-10, "{rated:?}");
             assert!(torque(340.0).abs() < 1e-12, "{rated:?}");
@@ -134,7 +116,7 @@ mod tests {
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        let refused = |motor: DcMotorByRating| motor.check().unwrap_err().param;
+        let refused = |motor: DcMotorByRating| motor.try_build().unwrap_err()[0].param.clone();
         assert_eq!(refused(DcMotorByRating { rated_speed: 340.0, ..motor() }), "no_load_speed");
         assert_eq!(refused(DcMotorByRating { rated_power: 0.0, ..motor() }), "rated_power");
         assert_eq!(refused(DcMotorByRating { j: -1.0, ..motor() }), "j");

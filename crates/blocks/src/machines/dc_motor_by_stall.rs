@@ -1,8 +1,6 @@
-use std::sync::OnceLock;
-
 use blocksim_block::prelude::*;
 
-use super::dc_motor::DcMotor;
+use super::dc_motor::{DcMotor, no_start_without_inductance};
 use super::dc_motor_line::TorqueLine;
 use super::warm_winding::WarmWinding;
 
@@ -27,38 +25,35 @@ use super::warm_winding::WarmWinding;
 /// )
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Machines", symbol = Machine("M"))]
+#[block(category = "Machines", symbol = Machine("M"), builds = DcMotor)]
 pub struct DcMotorByStall {
     /// Torque at standstill.
-    #[block(unit = "N*m")]
+    #[block(unit = "N*m", positive)]
     pub stall_torque: f64,
     /// Speed without load.
-    #[block(unit = "rad/s")]
+    #[block(unit = "rad/s", positive)]
     pub no_load_speed: f64,
     /// Voltage at which both hold.
-    #[block(unit = "V")]
+    #[block(unit = "V", positive)]
     pub voltage: f64,
     /// Inductance of the winding; may be zero.
-    #[block(unit = "H")]
+    #[block(unit = "H", not_negative)]
     pub l: f64,
     /// Moment of inertia of the rotor; zero is allowed where something else gives the shaft its inertia.
-    #[block(unit = "kg*m^2")]
+    #[block(unit = "kg*m^2", not_negative)]
     pub j: f64,
     /// Current without load; instead of `damping`.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", not_negative, default = 0.0)]
     pub no_load_current: f64,
     /// Damping of the rotor; instead of `no_load_current`.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub damping: f64,
     /// Current at the start; only with an inductance.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i0: f64,
     /// Heat of the motor.
     #[block(group)]
     pub warm: WarmWinding,
-    /// The motor that follows, worked out when it is first used.
-    #[block(skip)]
-    pub motor: OnceLock<DcMotor>,
 }
 
 impl DcMotorByStall {
@@ -67,21 +62,13 @@ impl DcMotorByStall {
         TorqueLine { stall_torque, no_load_speed, voltage, no_load_current, damping }
     }
 
-    /// The motor that follows from the data.
-    pub fn motor(&self) -> &DcMotor {
-        self.motor.get_or_init(|| self.line().motor(self.l, self.j, self.i0, self.warm))
-    }
-}
-
-impl Block for DcMotorByStall {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("stall_torque", self.stall_torque)?;
-        self.line().check()?;
-        self.motor().check()
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.line().validate(errors);
+        no_start_without_inductance(self.l, self.i0, errors);
     }
 
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self.motor())
+    fn build(self, _errors: &mut ParamErrors) -> Option<DcMotor> {
+        Some(self.line().motor(self.l, self.j, self.i0, self.warm))
     }
 }
 
@@ -100,22 +87,20 @@ mod tests {
             damping: 0.0,
             i0: 0.0,
             warm: WarmWinding::NONE,
-            motor: OnceLock::new(),
         }
     }
 
     #[test]
     fn a_small_motor_gets_its_resistance_and_constant() {
         // 1.5 V / 2000.1473 rad/s = 0.749945 mV*s/rad, and 0.749945 mV*s/rad * 1.5 V / 0.24 mN*m = 4.68716 ohm.
-        let motor = motor();
-        assert_eq!(motor.check(), Ok(()));
-        assert!((motor.motor().k - 0.749_945e-3).abs() < 1e-9, "{}", motor.motor().k);
-        assert!((motor.motor().r - 4.687_16).abs() < 1e-5, "{}", motor.motor().r);
+        let motor = motor().built();
+        assert!((motor.k - 0.749_945e-3).abs() < 1e-9, "{}", motor.k);
+        assert!((motor.r - 4.687_16).abs() < 1e-5, "{}", motor.r);
     }
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        let refused = |motor: DcMotorByStall| motor.check().unwrap_err().param;
+        let refused = |motor: DcMotorByStall| motor.try_build().unwrap_err()[0].param.clone();
         assert_eq!(refused(DcMotorByStall { stall_torque: 0.0, ..motor() }), "stall_torque");
         assert_eq!(refused(DcMotorByStall { l: -1.0, ..motor() }), "l");
         assert_eq!(refused(DcMotorByStall { l: 0.0, i0: 1.0, ..motor() }), "i0");

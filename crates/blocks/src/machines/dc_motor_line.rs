@@ -35,31 +35,22 @@ impl TorqueLine {
         DcMotor { r, l, k, j, damping: damping + k * no_load_current / no_load_speed, i0, warm }
     }
 
-    /// Refuses what no motor has. Errors name the parameters as all blocks call them.
-    pub fn check(&self) -> Result<(), ParamError> {
-        positive("voltage", self.voltage)?;
-        positive("no_load_speed", self.no_load_speed)?;
-        not_negative("no_load_current", self.no_load_current)?;
-        not_negative("damping", self.damping)?;
+    /// Reports what no motor has; what each of the parameters must be is declared where they are.
+    pub fn validate(&self, errors: &mut ParamErrors) {
         if self.no_load_current > 0.0 && self.damping > 0.0 {
-            return Err(ParamError::new(
-                "damping",
-                "`damping` and `no_load_current` both determine what turns the motor without load",
-            )
-            .help("leave one of them out: the other follows from k i_0 = damping w_0"));
+            let message = "`damping` and `no_load_current` both determine what turns the motor without load";
+            let error = ParamError::new("damping", message).beside(&["no_load_current"]);
+            errors.add(error.help("leave one of them out: the other follows from k i_0 = damping w_0"));
         }
         let lost = self.damping * self.no_load_speed;
         if lost >= self.stall_torque {
-            return Err(ParamError::new(
-                "damping",
-                format!(
-                    "at the speed without load the damping takes {lost} N*m, all of the {} N*m of standstill",
-                    self.stall_torque
-                ),
-            )
-            .help("look at the unit of `damping`, or give `no_load_current` instead"));
+            let message = format!(
+                "at the speed without load the damping takes {lost} N*m, all of the {} N*m of standstill",
+                self.stall_torque
+            );
+            let error = ParamError::new("damping", message).beside(&["no_load_speed"]);
+            errors.add(error.help("look at the unit of `damping`, or give `no_load_current` instead"));
         }
-        Ok(())
     }
 }
 
@@ -74,6 +65,12 @@ mod tests {
         no_load_current: 0.0,
         damping: 0.0,
     };
+
+    fn errors(line: TorqueLine) -> ParamErrors {
+        let mut errors = ParamErrors::default();
+        line.validate(&mut errors);
+        errors
+    }
 
     /// Torque of the shaft in the steady state.
     fn torque(motor: &DcMotor, v: f64, w: f64) -> f64 {
@@ -92,7 +89,7 @@ mod tests {
     fn the_motor_is_on_its_line_however_the_losses_are_given() {
         for (no_load_current, damping) in [(0.0, 0.0), (0.4, 0.0), (0.0, 2e-4)] {
             let line = TorqueLine { no_load_current, damping, ..LINE };
-            assert_eq!(line.check(), Ok(()));
+            assert!(errors(line).is_empty());
             let motor = line.motor(0.0, 1e-5, 0.0, WarmWinding::NONE);
             for w in [-100.0, 0.0, 250.0, 500.0, 700.0] {
                 let found = torque(&motor, 24.0, w);
@@ -114,9 +111,8 @@ mod tests {
 
     #[test]
     fn losses_are_given_once_and_leave_something() {
-        let refused = |line: TorqueLine| line.check().unwrap_err().param;
+        let refused = |line: TorqueLine| errors(line)[0].param.clone();
         assert_eq!(refused(TorqueLine { no_load_current: 0.4, damping: 1e-5, ..LINE }), "damping");
         assert_eq!(refused(TorqueLine { damping: 0.01, ..LINE }), "damping");
-        assert_eq!(refused(TorqueLine { no_load_speed: 0.0, ..LINE }), "no_load_speed");
     }
 }

@@ -40,27 +40,40 @@ use std::f64::consts::TAU;
 #[block(category = "Machines", symbol = Machine("MS 3~"))]
 pub struct PermanentMagnetMachine {
     /// Number of pole pairs $N$.
+    #[block(at_least = 1, zero = "frequency of the voltage times 60 over the speed in rpm")]
     pub pole_pairs: u32,
     /// Resistance of a phase.
-    #[block(unit = "ohm")]
+    #[block(unit = "ohm", not_negative)]
     pub r_s: f64,
     /// Inductance along the magnets, positive.
-    #[block(unit = "H")]
+    #[block(
+        unit = "H",
+        positive,
+        remedy = "with surface magnets half of what is measured between two lines, for both axes"
+    )]
     pub l_d: f64,
     /// Inductance across the magnets, positive.
-    #[block(unit = "H")]
+    #[block(
+        unit = "H",
+        positive,
+        remedy = "with surface magnets half of what is measured between two lines, for both axes"
+    )]
     pub l_q: f64,
     /// Flux linkage of the magnets $\psi$: peak phase voltage without current over the electrical speed.
-    #[block(unit = "Wb")]
+    #[block(
+        unit = "Wb",
+        not_negative,
+        remedy = "peak phase voltage without current over the electrical speed"
+    )]
     pub flux: f64,
     /// Electrical angle of the rotor at the start.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub theta0: f64,
     /// Current along the magnets at the start.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i_d0: f64,
     /// Current across the magnets at the start.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i_q0: f64,
     /// Heat of the machine.
     #[block(group)]
@@ -92,34 +105,12 @@ impl PermanentMagnetMachine {
     fn voltage(&self, c: &Law) -> Vector {
         turned(c.supply.voltage, c.supply.angle - c.x[THETA])
     }
-}
 
-impl Block for PermanentMagnetMachine {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.pole_pairs == 0 {
-            return Err(ParamError::new("pole_pairs", "`pole_pairs` is 0, but a machine has poles")
-                .help("frequency of the voltage times 60 over the speed in rpm"));
-        }
-        not_negative("r_s", self.r_s)?;
-        let of_a_phase = |error: ParamError| {
-            error.help("with surface magnets half of what is measured between two lines, for both axes")
-        };
-        positive("l_d", self.l_d).map_err(of_a_phase)?;
-        positive("l_q", self.l_q).map_err(of_a_phase)?;
-        not_negative("flux", self.flux)
-            .map_err(|error| error.help("peak phase voltage without current over the electrical speed"))?;
-        finite("theta0", self.theta0)?;
-        finite("i_d0", self.i_d0)?;
-        finite("i_q0", self.i_q0)?;
+    fn validate(&self, errors: &mut ParamErrors) {
         if self.warm.rotor_heat_port {
-            return Err(ParamError::new("rotor_heat_port", "the rotor of this machine has no losses")
-                .help("leave it out"));
+            let error = ParamError::new("rotor_heat_port", "the rotor of this machine has no losses");
+            errors.add(error.help("leave it out"));
         }
-        self.warm.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -288,10 +279,10 @@ mod tests {
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        let refused = |machine: PermanentMagnetMachine| machine.check().unwrap_err().param;
+        let refused = |machine: PermanentMagnetMachine| machine.errors()[0].param.clone();
         assert_eq!(refused(PermanentMagnetMachine { pole_pairs: 0, ..MACHINE }), "pole_pairs");
         assert_eq!(refused(PermanentMagnetMachine { l_d: 0.0, ..MACHINE }), "l_d");
         assert_eq!(refused(PermanentMagnetMachine { flux: -0.1, ..MACHINE }), "flux");
-        assert_eq!(MACHINE.check(), Ok(()));
+        assert_eq!(MACHINE.errors()[..], []);
     }
 }

@@ -30,38 +30,42 @@ use blocksim_block::prelude::*;
 #[block(category = "Machines", symbol = Machine("M"))]
 pub struct StepperMotor {
     /// Teeth of the rotor $N$: a quarter of the full steps in a turn.
-    #[block(default = 50)]
+    #[block(
+        at_least = 1,
+        default = 50,
+        zero = "90 degrees over the step angle: 50 for steps of 1.8 degrees"
+    )]
     pub teeth: u32,
     /// Resistance of a phase; may be zero unless the inductance is.
-    #[block(unit = "Ohm")]
+    #[block(unit = "Ohm", not_negative)]
     pub r: f64,
     /// Inductance of a phase; may be zero unless the resistance is.
-    #[block(unit = "H")]
+    #[block(unit = "H", not_negative)]
     pub l: f64,
     /// Torque constant $k$: holding torque of one phase over its current and, with the same number, peak of the induced
     /// voltage over the speed.
-    #[block(unit = "N*m/A")]
+    #[block(unit = "N*m/A", finite)]
     pub k: f64,
     /// Moment of inertia of the rotor; zero is allowed where something else gives the shaft its inertia.
-    #[block(unit = "kg*m^2")]
+    #[block(unit = "kg*m^2", not_negative)]
     pub j: f64,
     /// Detent torque $T_d$: largest torque without current.
-    #[block(unit = "N*m", default = 0.0)]
+    #[block(unit = "N*m", not_negative, default = 0.0)]
     pub detent: f64,
     /// Damping of the rotor $d$.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub damping: f64,
     /// Conductance $g_m$ that stands for the losses in the iron, across the induced voltage of each phase.
-    #[block(unit = "S", default = 0.0)]
+    #[block(unit = "S", not_negative, default = 0.0)]
     pub g_m: f64,
     /// Angle of the rotor at the start.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub theta0: f64,
     /// Current of phase A at the start; only with an inductance.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i_a0: f64,
     /// Current of phase B at the start; only with an inductance.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i_b0: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
@@ -104,41 +108,20 @@ impl StepperMotor {
         let detent = self.detent * (4.0 * self.n() * Self::theta(c)).sin();
         k_a * i_a + k_b * i_b - detent - self.g_m * self.k * self.k * c.speed[0]
     }
-}
 
-impl Block for StepperMotor {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.teeth == 0 {
-            return Err(ParamError::new("teeth", "`teeth` is 0, but the rotor of a stepper motor has teeth")
-                .help("90 degrees over the step angle: 50 for steps of 1.8 degrees"));
-        }
-        not_negative("r", self.r)?;
-        not_negative("l", self.l)?;
+    fn validate(&self, errors: &mut ParamErrors) {
         if self.l == 0.0 && self.r == 0.0 {
-            return Err(ParamError::new("r", "`r` and `l` are both 0, so nothing limits the currents")
-                .help("give the phases their resistance"));
+            let error = ParamError::new("r", "`r` and `l` are both 0, so nothing limits the currents");
+            errors.add(error.beside(&["l"]).help("give the phases their resistance"));
         }
-        finite("k", self.k)?;
-        not_negative("j", self.j)?;
-        not_negative("detent", self.detent)?;
-        not_negative("damping", self.damping)?;
-        not_negative("g_m", self.g_m)?;
-        finite("theta0", self.theta0)?;
         for (name, start) in [("i_a0", self.i_a0), ("i_b0", self.i_b0)] {
-            finite(name, start)?;
             if self.l == 0.0 && start != 0.0 {
-                return Err(ParamError::new(
-                    name,
-                    "without inductance the current has no start value of its own",
-                )
-                .help(format!("leave `{name}` out, or give the phases their inductance `l`")));
+                let error =
+                    ParamError::new(name, "without inductance the current has no start value of its own");
+                let help = format!("leave `{name}` out, or give the phases their inductance `l`");
+                errors.add(error.beside(&["l"]).help(help));
             }
         }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -346,17 +329,17 @@ mod tests {
         let i = motor.phase_currents(&c);
         assert!((i[0] - 2.0).abs() < 1e-15 && (i[1] - (1.2 - 2.2) / 1.2).abs() < 1e-15, "{i:?}");
         assert_eq!(motor.part(&Given::nothing()).outputs[0].1, Needs::Electrics);
-        assert_eq!(motor.check(), Ok(()));
+        assert_eq!(motor.errors()[..], []);
     }
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        let refused = |motor: StepperMotor| motor.check().unwrap_err().param;
+        let refused = |motor: StepperMotor| motor.errors()[0].param.clone();
         assert_eq!(refused(StepperMotor { teeth: 0, ..MOTOR }), "teeth");
         assert_eq!(refused(StepperMotor { r: 0.0, l: 0.0, ..MOTOR }), "r");
         assert_eq!(refused(StepperMotor { l: 0.0, i_b0: 1.0, ..MOTOR }), "i_b0");
         assert_eq!(refused(StepperMotor { detent: -1.0, ..MOTOR }), "detent");
         assert_eq!(refused(StepperMotor { g_m: f64::NAN, ..MOTOR }), "g_m");
-        assert_eq!(MOTOR.check(), Ok(()));
+        assert_eq!(MOTOR.errors()[..], []);
     }
 }

@@ -30,42 +30,26 @@ use blocksim_block::prelude::*;
 #[block(category = "Machines", symbol = Machine("M ~"))]
 pub struct UniversalMotor {
     /// Resistance of field and armature together.
-    #[block(unit = "ohm")]
+    #[block(unit = "ohm", not_negative)]
     pub r: f64,
     /// Inductance of field and armature together, positive.
-    #[block(unit = "H")]
+    #[block(unit = "H", positive, remedy = "the time constant l / r of both windings is some milliseconds")]
     pub l: f64,
     /// Mutual inductance of field and armature: torque over the square of the current.
-    #[block(unit = "H")]
+    #[block(unit = "H", finite)]
     pub l_af: f64,
     /// Moment of inertia of the rotor; zero is allowed where something else gives the shaft its inertia.
-    #[block(unit = "kg*m^2")]
+    #[block(unit = "kg*m^2", not_negative)]
     pub j: f64,
     /// Damping of the rotor.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub damping: f64,
     /// Current at the start.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i0: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
     pub heat_port: bool,
-}
-
-impl Block for UniversalMotor {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("r", self.r)?;
-        positive("l", self.l)
-            .map_err(|error| error.help("the time constant l / r of both windings is some milliseconds"))?;
-        finite("l_af", self.l_af)?;
-        not_negative("j", self.j)?;
-        not_negative("damping", self.damping)?;
-        finite("i0", self.i0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for UniversalMotor {
@@ -158,9 +142,9 @@ mod tests {
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        let refused = |motor: UniversalMotor| motor.check().unwrap_err().param;
+        let refused = |motor: UniversalMotor| motor.errors()[0].param.clone();
         assert_eq!(refused(UniversalMotor { l: 0.0, ..MOTOR }), "l");
         assert_eq!(refused(UniversalMotor { r: f64::NAN, ..MOTOR }), "r");
-        assert_eq!(MOTOR.check(), Ok(()));
+        assert_eq!(MOTOR.errors()[..], []);
     }
 }

@@ -19,14 +19,14 @@ pub struct WarmWinding {
     #[block(default = false)]
     pub rotor_heat_port: bool,
     /// Temperature coefficient of the resistance; 3.93e-3 1/K for copper. With `heat_port` only.
-    #[block(unit = "1/K", default = 0.0)]
+    #[block(unit = "1/K", finite, default = 0.0)]
     pub alpha: f64,
     /// Temperature at which the resistance is as given.
-    #[block(unit = "K", default = 293.15)]
+    #[block(unit = "K", positive, default = 293.15)]
     pub t_ref: f64,
     /// Temperature of the winding that is reported as an event when it is exceeded: 155 degC, thermal class F of IEC 60085, unless
     /// given.
-    #[block(unit = "K", default = 428.15)]
+    #[block(unit = "K", positive, default = 428.15)]
     pub t_max: f64,
 }
 
@@ -39,24 +39,14 @@ impl WarmWinding {
     ///
     /// # Errors
     /// Names the parameter as all machines call it.
-    pub(crate) fn check(&self) -> Result<(), ParamError> {
-        finite("alpha", self.alpha)?;
-        positive("t_ref", self.t_ref)?;
-        positive("t_max", self.t_max)?;
-        if self.heat_port {
-            return Ok(());
+    fn validate(&self, errors: &mut ParamErrors) {
+        for (name, is_given) in [("rotor_heat_port", self.rotor_heat_port), ("alpha", self.alpha != 0.0)] {
+            if is_given && !self.heat_port {
+                let error = ParamError::new(name, format!("`{name}` has no effect without a temperature"));
+                errors
+                    .add(error.help(format!("add `heat_port: true` and connect `h`, or leave `{name}` out")));
+            }
         }
-        let without = |name: &str| {
-            Err(ParamError::new(name, format!("`{name}` has no effect without a temperature"))
-                .help(format!("add `heat_port: true` and connect `h`, or leave `{name}` out")))
-        };
-        if self.rotor_heat_port {
-            return without("rotor_heat_port");
-        }
-        if self.alpha != 0.0 {
-            return without("alpha");
-        }
-        Ok(())
     }
 
     /// Adds the ports, behind all others.
@@ -108,13 +98,11 @@ mod tests {
 
     #[test]
     fn what_needs_a_temperature_is_refused_without_one() {
-        let refused = |warm: WarmWinding| warm.check().unwrap_err().param;
+        let refused = |warm: WarmWinding| warm.errors()[0].param.clone();
         assert_eq!(refused(WarmWinding { alpha: 4e-3, ..WarmWinding::NONE }), "alpha");
         assert_eq!(refused(WarmWinding { rotor_heat_port: true, ..WarmWinding::NONE }), "rotor_heat_port");
         assert_eq!(refused(WarmWinding { t_ref: 0.0, ..WarmWinding::NONE }), "t_ref");
-        assert_eq!(
-            WarmWinding { heat_port: true, rotor_heat_port: true, ..WarmWinding::NONE }.check(),
-            Ok(())
-        );
+        let both = WarmWinding { heat_port: true, rotor_heat_port: true, ..WarmWinding::NONE };
+        assert_eq!(both.errors()[..], []);
     }
 }

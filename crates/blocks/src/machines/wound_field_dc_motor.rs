@@ -26,31 +26,31 @@ use blocksim_block::prelude::*;
 #[block(category = "Machines", symbol = Machine("M"))]
 pub struct WoundFieldDcMotor {
     /// Resistance of the armature.
-    #[block(unit = "ohm")]
+    #[block(unit = "ohm", not_negative)]
     pub r: f64,
     /// Inductance of the armature, positive.
-    #[block(unit = "H")]
+    #[block(unit = "H", positive, remedy = "the time constant l / r of an armature is some milliseconds")]
     pub l: f64,
     /// Resistance of the field winding.
-    #[block(unit = "ohm")]
+    #[block(unit = "ohm", not_negative)]
     pub r_f: f64,
     /// Inductance of the field winding, positive.
-    #[block(unit = "H")]
+    #[block(unit = "H", positive, remedy = "for a constant field take a DcMotor with k = l_af i_f")]
     pub l_f: f64,
     /// Mutual inductance: torque over the product of both currents.
-    #[block(unit = "H")]
+    #[block(unit = "H", finite)]
     pub l_af: f64,
     /// Moment of inertia of the rotor; zero is allowed where something else gives the shaft its inertia.
-    #[block(unit = "kg*m^2")]
+    #[block(unit = "kg*m^2", not_negative)]
     pub j: f64,
     /// Damping of the rotor.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub damping: f64,
     /// Current of the armature at the start.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i0: f64,
     /// Current of the field at the start; its voltage over `r_f` starts with full field.
-    #[block(unit = "A", default = 0.0)]
+    #[block(unit = "A", finite, default = 0.0)]
     pub i_f0: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
@@ -65,26 +65,6 @@ impl WoundFieldDcMotor {
     /// Constant of torque and induced voltage, N*m/A.
     fn k(&self, c: &Law) -> f64 {
         self.l_af * c.x[FIELD]
-    }
-}
-
-impl Block for WoundFieldDcMotor {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("r", self.r)?;
-        positive("l", self.l)
-            .map_err(|error| error.help("the time constant l / r of an armature is some milliseconds"))?;
-        not_negative("r_f", self.r_f)?;
-        positive("l_f", self.l_f)
-            .map_err(|error| error.help("for a constant field take a DcMotor with k = l_af i_f"))?;
-        finite("l_af", self.l_af)?;
-        not_negative("j", self.j)?;
-        not_negative("damping", self.damping)?;
-        finite("i0", self.i0)?;
-        finite("i_f0", self.i_f0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -184,10 +164,10 @@ mod tests {
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        let refused = |motor: WoundFieldDcMotor| motor.check().unwrap_err().param;
+        let refused = |motor: WoundFieldDcMotor| motor.errors()[0].param.clone();
         assert_eq!(refused(WoundFieldDcMotor { l: 0.0, ..MOTOR }), "l");
         assert_eq!(refused(WoundFieldDcMotor { l_f: 0.0, ..MOTOR }), "l_f");
         assert_eq!(refused(WoundFieldDcMotor { r_f: -1.0, ..MOTOR }), "r_f");
-        assert_eq!(MOTOR.check(), Ok(()));
+        assert_eq!(MOTOR.errors()[..], []);
     }
 }

@@ -15,12 +15,6 @@ const PROBE: Handle = Handle::new("probe");
 #[block(category = "Magnetic", symbol = Meter("Φ"))]
 pub struct FluxSensor;
 
-impl Block for FluxSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for FluxSensor {
     fn part(&self, _given: &Given) -> Part {
         poles().named(PROBE, Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) }).measures(

@@ -23,15 +23,16 @@ const IRON: Handle = Handle::new("iron");
 #[block(category = "Magnetic", symbol = Varistor)]
 pub struct MagneticCore {
     /// Length of the path, positive.
-    #[block(unit = "m")]
+    #[block(unit = "m", positive)]
     pub length: f64,
     /// Cross-section, positive.
-    #[block(unit = "m^2")]
+    #[block(unit = "m^2", positive)]
     pub area: f64,
     /// Relative permeability for small fields, above 1.
+    #[block(finite, above = 1.0, remedy = "iron has more than 1; for air use a Reluctance")]
     pub mu_r: f64,
     /// Polarisation of saturation $J_s$, positive.
-    #[block(unit = "T")]
+    #[block(unit = "T", positive)]
     pub saturation: f64,
 }
 
@@ -46,27 +47,6 @@ impl MagneticCore {
         let tanh = self.knee(v).tanh();
         let air = MU_0 * self.area / self.length;
         (air * v + self.area * self.saturation * tanh, air * (1.0 + (self.mu_r - 1.0) * (1.0 - tanh * tanh)))
-    }
-}
-
-impl Block for MagneticCore {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("length", self.length)?;
-        positive("area", self.area)?;
-        positive("saturation", self.saturation)?;
-        finite("mu_r", self.mu_r)?;
-        if self.mu_r <= 1.0 {
-            return Err(ParamError::new(
-                "mu_r",
-                format!("`mu_r` is {}, but iron has more than 1", self.mu_r),
-            )
-            .help("for air use a Reluctance"));
-        }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -141,8 +121,8 @@ mod tests {
 
     #[test]
     fn what_is_no_iron_is_refused() {
-        assert!(MagneticCore { mu_r: 1.0, ..CORE }.check().unwrap_err().help.is_some());
-        assert_eq!(MagneticCore { saturation: 0.0, ..CORE }.check().unwrap_err().param, "saturation");
-        assert_eq!(CORE.check(), Ok(()));
+        assert!(MagneticCore { mu_r: 1.0, ..CORE }.errors()[0].help.is_some());
+        assert_eq!(MagneticCore { saturation: 0.0, ..CORE }.errors()[0].param, "saturation");
+        assert_eq!(CORE.errors()[..], []);
     }
 }

@@ -15,12 +15,6 @@ const PROBE: Handle = Handle::new("probe");
 #[block(category = "Magnetic", symbol = Meter("V"))]
 pub struct MagneticPotentialSensor;
 
-impl Block for MagneticPotentialSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for MagneticPotentialSensor {
     fn part(&self, _given: &Given) -> Part {
         poles().named(PROBE, Element::VoltageProbe { p: Pin::Port(0), n: Pin::Port(1) }).measures(

@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Magnetic", symbol = Ground)]
 pub struct MagneticReference;
 
-impl Block for MagneticReference {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for MagneticReference {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

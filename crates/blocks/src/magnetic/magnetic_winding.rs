@@ -25,28 +25,17 @@ const CORE: Handle = Handle::new("core");
 #[block(category = "Magnetic", symbol = Transformer)]
 pub struct MagneticWinding {
     /// Number of turns $N$, positive.
+    #[block(positive)]
     pub turns: f64,
     /// Resistance of the winding; zero is allowed.
-    #[block(unit = "ohm", default = 0.0)]
+    #[block(unit = "ohm", not_negative, default = 0.0)]
     pub r: f64,
     /// Flux at the start.
-    #[block(unit = "Wb", default = 0.0)]
+    #[block(unit = "Wb", finite, default = 0.0)]
     pub flux0: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
     pub heat_port: bool,
-}
-
-impl Block for MagneticWinding {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("turns", self.turns)?;
-        not_negative("r", self.r)?;
-        finite("flux0", self.flux0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for MagneticWinding {
@@ -109,7 +98,7 @@ mod tests {
 
     #[test]
     fn windings_that_are_none_are_refused() {
-        assert_eq!(MagneticWinding { turns: 0.0, ..WINDING }.check().unwrap_err().param, "turns");
-        assert_eq!(MagneticWinding { r: -1.0, ..WINDING }.check().unwrap_err().param, "r");
+        assert_eq!(MagneticWinding { turns: 0.0, ..WINDING }.errors()[0].param, "turns");
+        assert_eq!(MagneticWinding { r: -1.0, ..WINDING }.errors()[0].param, "r");
     }
 }

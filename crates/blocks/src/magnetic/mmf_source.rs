@@ -13,12 +13,6 @@ use super::poles;
 #[block(category = "Magnetic", symbol = VoltageSource)]
 pub struct MmfSource;
 
-impl Block for MmfSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for MmfSource {
     fn part(&self, _given: &Given) -> Part {
         poles()

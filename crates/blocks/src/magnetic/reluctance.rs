@@ -24,21 +24,12 @@ const PATH: Handle = Handle::new("path");
 #[block(category = "Magnetic", symbol = Resistor)]
 pub struct Reluctance {
     /// Reluctance, positive: for zero join the poles, for infinity leave it out.
-    #[block(unit = "1/H")]
+    #[block(
+        unit = "1/H",
+        positive,
+        zero = "without reluctance both poles have one potential: join the two nodes instead"
+    )]
     pub r: f64,
-}
-
-impl Block for Reluctance {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("r", self.r).map_err(|error| match self.r {
-            0.0 => error.help("without reluctance both poles have one potential: join the two nodes instead"),
-            _ => error,
-        })
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for Reluctance {
@@ -64,8 +55,8 @@ mod tests {
 
     #[test]
     fn reluctances_that_are_none_are_refused() {
-        assert!(Reluctance { r: 0.0 }.check().unwrap_err().help.is_some());
-        assert_eq!(Reluctance { r: -1.0 }.check().unwrap_err().param, "r");
-        assert_eq!(Reluctance { r: f64::INFINITY }.check().unwrap_err().param, "r");
+        assert!(Reluctance { r: 0.0 }.errors()[0].help.is_some());
+        assert_eq!(Reluctance { r: -1.0 }.errors()[0].param, "r");
+        assert_eq!(Reluctance { r: f64::INFINITY }.errors()[0].param, "r");
     }
 }

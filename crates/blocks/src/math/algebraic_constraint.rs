@@ -56,26 +56,25 @@ impl AlgebraicConstraint {
             .collect();
         written.first().copied().filter(|first| written.iter().all(|other| other.compatible(*first)))
     }
-}
 
-impl Block for AlgebraicConstraint {
-    fn check(&self) -> Result<(), ParamError> {
+    fn validate(&self, errors: &mut ParamErrors) {
         if self.z0.is_some() && self.items().is_empty() {
-            return Err(ParamError::new("z0", "`z0` is an empty list").help("give a guess for each unknown"));
+            errors.add(ParamError::new("z0", "`z0` is an empty list").help("give a guess for each unknown"));
         }
         for (i, item) in self.items().iter().enumerate() {
             let name = if self.shape() == Shape::Scalar { "z0".to_owned() } else { format!("z0[{i}]") };
             match item.as_number() {
-                Some(quantity) => finite(&name, quantity.value)?,
+                Some(quantity) => drop(errors.take(finite(&name, quantity.value))),
                 None => {
                     let message = format!("`{name}` is {}, but must be a number", item.describe());
-                    return Err(ParamError::new(name, message));
+                    errors.add(ParamError::new(name, message));
                 }
             }
         }
-        Ok(())
     }
+}
 
+impl Block for AlgebraicConstraint {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let shape = self.shape();
         if let Some(f) = given.input("f").map(|f| f.shape).filter(|f| f.len() != shape.len()) {
@@ -120,10 +119,10 @@ mod tests {
 
     #[test]
     fn guesses_that_are_none_or_do_not_fit_are_refused() {
-        assert_eq!(constraint(Value::List(Vec::new())).check().unwrap_err().param, "z0");
-        assert_eq!(constraint(Value::Bool(true)).check().unwrap_err().param, "z0");
+        assert_eq!(constraint(Value::List(Vec::new())).errors()[0].param, "z0");
+        assert_eq!(constraint(Value::Bool(true)).errors()[0].param, "z0");
         let list = constraint(Value::List(vec![1.0.into(), f64::NAN.into()]));
-        assert_eq!(list.check().unwrap_err().param, "z0[1]");
+        assert_eq!(list.errors()[0].param, "z0[1]");
         let given = Given::new(vec![("f".to_owned(), PortType::vector(3))], Default::default());
         let error = constraint(1.0.into()).interface(&given).unwrap_err();
         assert!(error.message.contains("3 equations for 1 unknown"), "{}", error.message);

@@ -18,7 +18,7 @@ pub struct Compare {
     /// `Less`, `LessEqual`, `Greater`, `GreaterEqual`, `Equal` or `NotEqual`.
     pub operator: Relation,
     /// What the input is compared with, in the unit of the input; without it there is a second input.
-    #[block(default = None)]
+    #[block(finite, default = None)]
     pub constant: Option<f64>,
 }
 
@@ -56,10 +56,6 @@ impl Relation {
 const TRUTH: &[Change] = &[Change::to(1.0, "becomes true"), Change::to(0.0, "becomes false")];
 
 impl Block for Compare {
-    fn check(&self) -> Result<(), ParamError> {
-        self.constant.map_or(Ok(()), |constant| finite("constant", constant))
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let mut interface = Interface::new();
         let shape = match self.constant {
@@ -145,6 +141,6 @@ mod tests {
         assert_eq!((error.code, error.ports.len()), ("unit_mismatch", 2));
         assert!(one.interface(&given(&[("u", "V")], &[("constant", "A")])).is_err());
         assert!(one.interface(&given(&[("u", "V")], &[("constant", "mV")])).is_ok());
-        assert_eq!(Compare { constant: Some(f64::NAN), ..two }.check().unwrap_err().param, "constant");
+        assert_eq!(Compare { constant: Some(f64::NAN), ..two }.errors()[0].param, "constant");
     }
 }

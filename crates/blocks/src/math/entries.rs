@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use blocksim_block::{Given, ParamError, ParamValue, finite};
+use blocksim_block::{Given, Inspect, ParamValue};
 use blocksim_signal::{Dimension, Quantity, Shape, Value};
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 
@@ -64,19 +64,6 @@ impl Entries {
         dimension.filter(|dimension| !dimension.is_open())
     }
 
-    /// All numbers must be finite.
-    ///
-    /// # Errors
-    /// The first that is not.
-    pub(crate) fn finite(&self, name: &str) -> Result<(), ParamError> {
-        match &self.values[..] {
-            [value] => finite(name, *value),
-            values => {
-                values.iter().enumerate().try_for_each(|(i, value)| finite(&format!("{name}[{i}]"), *value))
-            }
-        }
-    }
-
     /// The dimension, where that of a single number, as the parameter has noted it, is `noted`.
     pub fn dimension_or(&self, noted: Dimension) -> Dimension {
         self.dimension.unwrap_or(noted)
@@ -129,6 +116,26 @@ pub(crate) fn common(quantities: &[Quantity]) -> Result<Dimension, String> {
         }
     }
     Ok(dimension)
+}
+
+impl Inspect for Entries {
+    fn numbers(&self, place: &mut Vec<usize>, see: &mut dyn FnMut(&[usize], f64)) {
+        for (i, value) in self.values.iter().enumerate() {
+            let inside = match self.shape {
+                Shape::Scalar => &[][..],
+                Shape::Vector(_) => &[i],
+                Shape::Matrix(_, columns) => &[i / columns, i % columns],
+            };
+            let depth = place.len();
+            place.extend_from_slice(inside);
+            see(place, *value);
+            place.truncate(depth);
+        }
+    }
+
+    fn length(&self) -> Option<usize> {
+        (self.shape != Shape::Scalar).then_some(self.values.len())
+    }
 }
 
 impl<'de> Deserialize<'de> for Entries {

@@ -26,87 +26,65 @@ use blocksim_block::prelude::*;
 /// Expression(law: "sin(u1) * u2 + p", parameters: { "p": "3 N" })
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Math", symbol = Value("law"))]
+#[block(category = "Math", symbol = Value("law"), builds = Law)]
 pub struct Expression {
     /// The law; its names are inputs or parameters.
     pub law: String,
     /// Names with numbers, which may have units, or truth values.
     #[block(default = BTreeMap::new())]
     pub parameters: BTreeMap<String, ParamValue>,
-    /// What the text means.
-    #[block(skip)]
-    built: Option<Result<Built, ParamError>>,
 }
 
 /// What the text means.
 #[derive(Debug, Clone)]
-struct Built {
+pub struct Law {
+    of: Expression,
     formulas: Formulas,
     law: TextLaw,
 }
 
 impl Expression {
-    /// A law with parameters.
-    pub fn new(law: &str, parameters: BTreeMap<String, ParamValue>) -> Self {
-        let mut expression = Self { law: law.to_owned(), parameters, built: None };
-        expression.built = Some(expression.build());
-        expression
+    fn validate(&self, errors: &mut ParamErrors) {
+        LawParameters(&self.parameters).validate(errors);
     }
 
-    fn build(&self) -> Result<Built, ParamError> {
+    fn build(self, errors: &mut ParamErrors) -> Option<Law> {
         let parameters = LawParameters(&self.parameters);
-        let formulas = Formulas::read(&[("law".to_owned(), &self.law)], parameters, &["y"])?;
+        let formulas = Formulas::read(&[("law".to_owned(), &self.law)], parameters, &["y"], errors)?;
         let recorder = Recorder::new();
         match formulas.record(0, &recorder, &formulas.known(&recorder, parameters)) {
             Part::Number(value) => recorder.output("y", value),
             Part::Truth(condition) => recorder.output_truth("y", condition),
         }
-        let law = TextLaw::new(&recorder.finish(), "law", &self.law)?;
-        Ok(Built { formulas, law })
-    }
-
-    fn built(&self) -> Option<&Built> {
-        self.built.as_ref().and_then(|built| built.as_ref().ok())
+        let law = errors.take(TextLaw::new(&recorder.finish(), "law", &self.law))?;
+        Some(Law { of: self, formulas, law })
     }
 }
 
-impl Block for Expression {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
-        self.built = Some(self.build());
-        Ok(())
-    }
-
-    fn check(&self) -> Result<(), ParamError> {
-        match &self.built {
-            Some(built) => built.as_ref().map(|_| ()).map_err(Clone::clone),
-            None => self.build().map(|_| ()),
-        }
-    }
-
+impl Block for Law {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
-        let Some(Built { formulas, law }) = self.built() else { return Ok(Interface::new()) };
+        let Self { of, formulas, law } = self;
         let inputs = &formulas.inputs;
         let names: Vec<&str> = inputs.iter().map(|(name, _)| name.as_str()).collect();
         let shape = given.common_shape(&names, &[])?;
-        let dimension = formulas.dimension(0, &self.law, given, LawParameters(&self.parameters))?;
+        let dimension = formulas.dimension(0, &of.law, given, LawParameters(&of.parameters))?;
         let y = if formulas.is_truth(0) { PortType::boolean() } else { PortType::UNKNOWN.of(dimension) };
         let mut interface = inputs.iter().fold(Interface::new(), |interface, (name, is_truth)| {
             interface.input(if *is_truth { Input::boolean(name) } else { Input::real(name) })
         });
         interface = interface.output(Output::like("y", y.shaped(shape)));
         law.fits(shape.len())?;
-        interface = law.declare(interface, shape.len(), &self.law);
+        interface = law.declare(interface, shape.len(), &of.law);
         Ok(if inputs.is_empty() { interface.constant() } else { interface })
     }
 
     fn law(&self, l: &Recording) -> bool {
-        let Some(built) = self.built() else { return false };
-        l.each(0, |i| built.law.record(l, i, 0, 0).outputs[0]);
+        l.each(0, |i| self.law.record(l, i, 0, 0).outputs[0]);
         true
     }
 
     fn no_value(&self, failure: &Failure, _c: &Context) -> Option<String> {
-        Some(no_value(failure, &self.law))
+        Some(no_value(failure, &self.of.law))
     }
 }
 

@@ -11,11 +11,11 @@ fn quantity(text: &str) -> ParamValue {
 
 fn law(text: &str, parameters: &[(&str, &str)]) -> Expression {
     let parameters = parameters.iter().map(|(name, value)| ((*name).to_owned(), quantity(value)));
-    Expression::new(text, parameters.collect())
+    Expression { law: text.to_owned(), parameters: parameters.collect() }
 }
 
 fn error(text: &str, parameters: &[(&str, &str)]) -> ParamError {
-    law(text, parameters).check().expect_err(text)
+    law(text, parameters).try_build().expect_err(text)[0].clone()
 }
 
 #[test]
@@ -31,7 +31,8 @@ fn names_are_inputs_in_the_order_of_the_text_or_parameters() {
 fn a_word_that_is_an_input_ends_a_unit() {
     let mut bench = Bench::new(law("m * a + 2 * m * b", &[]));
     assert_eq!(bench.set(0, &[3.0]).set(1, &[5.0]).set(2, &[7.0]).major(), [57.0]);
-    let interface = law("m * a + 2 m/s^2 * m", &[]).interface(&given(&[("m", "kg"), ("a", "m/s^2")], &[]));
+    let interface =
+        law("m * a + 2 m/s^2 * m", &[]).built().interface(&given(&[("m", "kg"), ("a", "m/s^2")], &[]));
     assert_eq!(interface.unwrap().outputs[0].port_type.dimension, Some(dimension("N")));
 }
 
@@ -59,7 +60,7 @@ fn a_comparison_gives_a_truth_value_and_conditions_are_truth_values() {
 #[test]
 fn units_follow_the_law() {
     let unit = |text: &str, inputs: &[(&str, &str)], parameters: &[(&str, &str)]| {
-        let interface = law(text, parameters).interface(&given(inputs, &[]))?;
+        let interface = law(text, parameters).built().interface(&given(inputs, &[]))?;
         Ok::<_, InterfaceError>(interface.outputs[0].port_type.dimension)
     };
     assert_eq!(unit("u * i", &[("u", "V"), ("i", "A")], &[]), Ok(Some(dimension("W"))));
@@ -99,7 +100,7 @@ fn mistakes_of_the_text_have_their_place() {
     );
     let long: String = (0..2000).map(|i| format!("u{i} * ")).collect();
     let inputs = vec![("u0".to_owned(), PortType::vector(10_000))];
-    let many = law(&format!("{long}1"), &[]).interface(&Given::new(inputs, Default::default()));
+    let many = law(&format!("{long}1"), &[]).built().interface(&Given::new(inputs, Default::default()));
     assert_eq!(many.unwrap_err().code, "too_large");
 }
 

@@ -21,6 +21,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Math", symbol = Gain("k"))]
 pub struct Gain {
     /// Factor: a number, a list, or a list of rows.
+    #[block(finite)]
     pub k: Entries,
     /// `ElementWise`, or a product of matrices: `KTimesU`, `UTimesK`.
     #[block(default = Factors::ElementWise)]
@@ -46,10 +47,6 @@ impl Gain {
 }
 
 impl Block for Gain {
-    fn check(&self) -> Result<(), ParamError> {
-        self.k.values.iter().try_for_each(|k| finite("k", *k))
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let factor = self.k.dimension_or(given.parameters.get("k"));

@@ -15,7 +15,7 @@ pub struct Logic {
     /// `And`, `Or`, `Not`, `Nand`, `Nor` or `Xor`.
     pub operator: Gate,
     /// Number of inputs; without meaning for `Not`.
-    #[block(default = 2)]
+    #[block(at_least = 1, at_most = MOST_PORTS, default = 2)]
     pub inputs: usize,
 }
 
@@ -49,10 +49,6 @@ impl Gate {
 }
 
 impl Block for Logic {
-    fn check(&self) -> Result<(), ParamError> {
-        count("inputs", self.inputs, 1, MOST_PORTS)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let names = input_names(if self.operator == Gate::Not { 1 } else { self.inputs });
         let names = borrowed(&names);
@@ -116,6 +112,6 @@ mod tests {
         let interface = Logic { operator: Gate::And, inputs: 2 }.interface(&Given::nothing()).unwrap();
         assert!(interface.inputs.iter().all(|input| input.kind == Some(Kind::Bool)));
         assert_eq!(interface.outputs[0].port_type, PortType::boolean());
-        assert_eq!(Logic { operator: Gate::And, inputs: 0 }.check().unwrap_err().param, "inputs");
+        assert_eq!(Logic { operator: Gate::And, inputs: 0 }.errors()[0].param, "inputs");
     }
 }

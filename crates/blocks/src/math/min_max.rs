@@ -16,7 +16,7 @@ pub struct MinMax {
     /// `Min` or `Max`.
     pub function: Extremum,
     /// Number of inputs.
-    #[block(default = 2)]
+    #[block(at_least = 1, at_most = MOST_PORTS, default = 2)]
     pub inputs: usize,
 }
 
@@ -30,10 +30,6 @@ pub enum Extremum {
 }
 
 impl Block for MinMax {
-    fn check(&self) -> Result<(), ParamError> {
-        count("inputs", self.inputs, 1, MOST_PORTS)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let names = input_names(self.inputs);
         let names = borrowed(&names);
@@ -128,6 +124,6 @@ mod tests {
             block.interface(&given(&[("u1", "V"), ("u2", "A")], &[])).unwrap_err().code,
             "unit_mismatch"
         );
-        assert!(MinMax { inputs: 0, ..block }.check().is_err());
+        assert!(!MinMax { inputs: 0, ..block }.errors().is_empty());
     }
 }

@@ -14,10 +14,10 @@ use blocksim_block::prelude::*;
 #[block(category = "Math", symbol = Switch)]
 pub struct MultiportSwitch {
     /// Number of inputs `u1`, `u2` ... to choose from.
-    #[block(default = 3)]
+    #[block(at_least = 1, at_most = 1000, default = 3)]
     pub inputs: usize,
     /// Index that chooses the first input.
-    #[block(default = 1)]
+    #[block(at_least = 0, at_most = 1_000_000, default = 1)]
     pub first: usize,
     /// What an index without an input does: `Error` or `Clamp`.
     #[block(default = Outside::Error)]
@@ -46,11 +46,6 @@ impl MultiportSwitch {
 }
 
 impl Block for MultiportSwitch {
-    fn check(&self) -> Result<(), ParamError> {
-        count("inputs", self.inputs, 1, 1000)?;
-        count("first", self.first, 0, 1_000_000)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let names = self.names();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();

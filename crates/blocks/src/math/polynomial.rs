@@ -11,18 +11,11 @@ use blocksim_block::prelude::*;
 #[block(category = "Math", symbol = Text("P(u)"))]
 pub struct Polynomial {
     /// Coefficients $a_n, \dots, a_1, a_0$, highest power first.
+    #[block(finite, not_empty, empty = "write them from the highest power on: `[2, 0, 1]` is 2 u^2 + 1")]
     pub coefficients: Vec<f64>,
 }
 
 impl Block for Polynomial {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.coefficients.is_empty() {
-            return Err(ParamError::new("coefficients", "a polynomial has at least one coefficient")
-                .help("write them from the highest power on: `[2, 0, 1]` is 2 u^2 + 1"));
-        }
-        self.coefficients.iter().try_for_each(|a| finite("coefficients", *a))
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         Ok(Interface::new()
@@ -57,8 +50,9 @@ mod tests {
 
     #[test]
     fn coefficients_must_be_there_and_finite() {
-        for coefficients in [vec![], vec![1.0, f64::INFINITY]] {
-            assert_eq!(Polynomial { coefficients }.check().unwrap_err().param, "coefficients");
+        for (coefficients, param) in [(vec![], "coefficients"), (vec![1.0, f64::INFINITY], "coefficients[1]")]
+        {
+            assert_eq!(Polynomial { coefficients }.errors()[0].param, param);
         }
     }
 }

@@ -13,7 +13,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Math", symbol = Text("uᵃ"))]
 pub struct Power {
     /// Exponent $n$.
-    #[block(unit = "1")]
+    #[block(unit = "1", finite)]
     pub exponent: f64,
 }
 
@@ -38,10 +38,6 @@ impl Power {
 }
 
 impl Block for Power {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("exponent", self.exponent)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let dimension = u.dimension.map(|dimension| self.dimension(dimension)).transpose()?;
@@ -96,6 +92,6 @@ mod tests {
 
     #[test]
     fn an_infinite_exponent_is_refused() {
-        assert_eq!(Power { exponent: f64::INFINITY }.check().unwrap_err().param, "exponent");
+        assert_eq!(Power { exponent: f64::INFINITY }.errors()[0].param, "exponent");
     }
 }

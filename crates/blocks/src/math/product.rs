@@ -20,7 +20,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Math", symbol = Text("×"))]
 pub struct Product {
     /// Number of inputs.
-    #[block(default = 2)]
+    #[block(at_least = 1, at_most = MOST_PORTS, default = 2)]
     pub inputs: usize,
     /// `ElementWise` or `Matrix`.
     #[block(default = Multiplication::ElementWise)]
@@ -57,17 +57,15 @@ impl Product {
         }
         Ok((inputs, all.map_or(Shape::Scalar, |(_, shape)| shape)))
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        if self.multiplication == Multiplication::Matrix && self.inputs == 1 {
+            errors.add(ParamError::new("inputs", "a product of matrices needs at least 2 inputs"));
+        }
+    }
 }
 
 impl Block for Product {
-    fn check(&self) -> Result<(), ParamError> {
-        count("inputs", self.inputs, 1, MOST_PORTS)?;
-        if self.multiplication == Multiplication::Matrix && self.inputs == 1 {
-            return Err(ParamError::new("inputs", "a product of matrices needs at least 2 inputs"));
-        }
-        Ok(())
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let names = input_names(self.inputs);
         let names = borrowed(&names);
@@ -154,7 +152,7 @@ mod tests {
 
     #[test]
     fn no_input_is_refused() {
-        assert_eq!(Product::elements(0).check().unwrap_err().param, "inputs");
+        assert_eq!(Product::elements(0).errors()[0].param, "inputs");
     }
     #[test]
     fn matrices_are_multiplied_from_left_to_right() {

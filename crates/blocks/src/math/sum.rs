@@ -13,22 +13,20 @@ use blocksim_block::prelude::*;
 #[block(category = "Math", symbol = Sum)]
 pub struct Sum {
     /// A `+` or `-` for each input.
+    #[block(not_empty, empty = "write one + or - for each input: \"+-\"")]
     pub signs: String,
 }
 
-impl Block for Sum {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.signs.is_empty() {
-            return Err(
-                ParamError::new("signs", "`signs` is empty").help("write one + or - for each input: \"+-\"")
-            );
-        }
-        match self.signs.chars().find(|sign| !matches!(sign, '+' | '-')) {
-            Some(other) => Err(ParamError::new("signs", format!("`{other}` in `signs` is neither + nor -"))),
-            None => Ok(()),
+impl Sum {
+    fn validate(&self, errors: &mut ParamErrors) {
+        for (at, sign) in self.signs.char_indices().filter(|(_, sign)| !matches!(sign, '+' | '-')) {
+            let message = format!("`{sign}` in `signs` is neither + nor -");
+            errors.add(ParamError::new("signs", message).within(at..at + sign.len_utf8()));
         }
     }
+}
 
+impl Block for Sum {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let names = input_names(self.signs.chars().count());
         let names = borrowed(&names);
@@ -102,7 +100,7 @@ mod tests {
     #[test]
     fn other_signs_are_refused() {
         for signs in ["", "+*", "+ -"] {
-            assert_eq!(sum(signs).check().unwrap_err().param, "signs");
+            assert_eq!(sum(signs).errors()[0].param, "signs");
         }
     }
 }

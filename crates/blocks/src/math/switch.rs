@@ -14,15 +14,11 @@ use blocksim_block::prelude::*;
 #[block(category = "Math", symbol = Switch)]
 pub struct Switch {
     /// Where a real control signal switches, in its unit; a Bool counts as 0 or 1.
-    #[block(default = 0.5)]
+    #[block(finite, default = 0.5)]
     pub threshold: f64,
 }
 
 impl Block for Switch {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("threshold", self.threshold)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let control = given.input_or_unknown("control");
         parameters_like(given, "control", control.dimension, &["threshold"])?;
@@ -129,6 +125,6 @@ mod tests {
         );
         let never = Switch { threshold: 0.0 }.interface(&types(PortType::scalar(), PortType::scalar()));
         assert_eq!(never.unwrap_err().ports, ["control"]);
-        assert_eq!(Switch { threshold: f64::NAN }.check().unwrap_err().param, "threshold");
+        assert_eq!(Switch { threshold: f64::NAN }.errors()[0].param, "threshold");
     }
 }

@@ -64,19 +64,13 @@ impl SpringDamper {
         JointLimit { stiffness: self.k, damping: self.d, transition: self.transition }
     }
 
-    pub(crate) fn check(&self) -> Result<(), ParamError> {
-        not_negative("k", self.k)?;
-        not_negative("d", self.d)?;
-        not_negative("backlash", self.backlash)?;
-        not_negative("transition", self.transition)?;
+    /// Reports a law of flanks where there are none.
+    pub(crate) fn validate(&self, errors: &mut ParamErrors) {
         if self.backlash == 0.0 && self.transition > 0.0 {
-            return Err(ParamError::new(
-                "transition",
-                "`transition` describes how flanks meet, but without `backlash` there are none",
-            )
-            .help("give a `backlash`, or leave `transition` out"));
+            let message = "`transition` describes how flanks meet, but without `backlash` there are none";
+            let error = ParamError::new("transition", message).beside(&["backlash"]);
+            errors.add(error.help("give a `backlash`, or leave `transition` out"));
         }
-        Ok(())
     }
 }
 
@@ -138,34 +132,12 @@ impl Travel {
     pub(crate) fn energy(&self, position: f64, speed: f64) -> Energy {
         self.end.energy(position - self.upper, speed) + self.end.energy(self.lower - position, -speed)
     }
-
-    /// Whether the numbers make sense, under the names `lower`, `upper`, `stiffness`, `damping` and `transition`; the
-    /// start, a parameter with its name, lies within the travel.
-    pub(crate) fn check(&self, (name, start): (&str, f64), unit: &str) -> Result<(), ParamError> {
-        finite("lower", self.lower)?;
-        finite("upper", self.upper)?;
-        ordered("lower", self.lower, "upper", self.upper)?;
-        not_negative("stiffness", self.end.stiffness)?;
-        not_negative("damping", self.end.damping)?;
-        not_negative("transition", self.end.transition)?;
-        finite(name, start)?;
-        if start < self.lower || start > self.upper {
-            return Err(ParamError::new(
-                name,
-                format!(
-                    "the parts start at {start} {unit}, outside the free travel from {} to {} {unit}",
-                    self.lower, self.upper
-                ),
-            )
-            .help("start within the travel, or move `lower` and `upper`"));
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rotational::{RotationalHardStop, RotationalSpringDamper};
 
     const SHAFT: SpringDamper = SpringDamper { k: 100.0, d: 2.0, backlash: 0.0, transition: 0.0 };
     const LOOSE: SpringDamper = SpringDamper { backlash: 0.5, ..SHAFT };
@@ -222,14 +194,19 @@ mod tests {
         }
     }
 
+    fn shaft(law: SpringDamper) -> RotationalSpringDamper {
+        let SpringDamper { k, d, backlash, transition } = law;
+        RotationalSpringDamper { k, d, backlash, transition, phi0: 0.0 }
+    }
+
     #[test]
     fn negative_parameters_and_a_transition_without_play_are_refused() {
-        assert_eq!(SpringDamper { k: -1.0, ..SHAFT }.check().unwrap_err().param, "k");
-        assert_eq!(SpringDamper { backlash: -0.1, ..SHAFT }.check().unwrap_err().param, "backlash");
-        let error = SpringDamper { transition: 0.1, ..SHAFT }.check().unwrap_err();
+        assert_eq!(shaft(SpringDamper { k: -1.0, ..SHAFT }).errors()[0].param, "k");
+        assert_eq!(shaft(SpringDamper { backlash: -0.1, ..SHAFT }).errors()[0].param, "backlash");
+        let error = shaft(SpringDamper { transition: 0.1, ..SHAFT }).errors()[0].clone();
         assert_eq!(error.param, "transition");
         assert!(error.help.is_some());
-        assert_eq!(LOOSE.check(), Ok(()));
+        assert_eq!(shaft(LOOSE).errors()[..], []);
     }
 
     #[test]
@@ -252,12 +229,15 @@ mod tests {
 
     #[test]
     fn a_travel_out_of_order_and_a_start_in_the_stop_are_refused() {
-        let wrong = Travel { upper: -1.0, ..STOP };
-        assert_eq!(wrong.check(("phi0", 0.0), "rad").unwrap_err().param, "upper");
-        let error = STOP.check(("phi0", 1.5), "rad").unwrap_err();
+        let stop = |upper, phi0| {
+            let JointLimit { stiffness, damping, transition } = STOP.end;
+            RotationalHardStop { lower: STOP.lower, upper, stiffness, damping, transition, phi0 }.errors()
+        };
+        assert_eq!(stop(-1.0, 0.0)[0].param, "upper");
+        let error = &stop(STOP.upper, 1.5)[0];
         assert_eq!(error.param, "phi0");
-        assert_eq!(error.message, "the parts start at 1.5 rad, outside the free travel from -0.5 to 1 rad");
+        assert_eq!(error.message, "`phi0` is 1.5 rad, but must be at most `upper`, which is 1 rad");
         assert!(error.help.is_some());
-        assert_eq!(STOP.check(("x0", 0.0), "m"), Ok(()));
+        assert_eq!(stop(STOP.upper, 0.0)[..], []);
     }
 }

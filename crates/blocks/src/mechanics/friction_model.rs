@@ -32,16 +32,21 @@ impl FrictionModel {
 #[derive(Debug, Clone, Copy, Parameters)]
 pub struct Pressed {
     /// Torque that it transmits while slipping, fully pressed.
-    #[block(unit = "N*m")]
+    #[block(unit = "N*m", not_negative)]
     pub torque: f64,
     /// `Stiction` or `Smooth`.
     #[block(default = FrictionModel::Stiction)]
     pub model: FrictionModel,
     /// Torque $p$ that it holds at rest over that while slipping, at least 1; for `Stiction`.
-    #[block(default = 1.0)]
+    #[block(
+        finite,
+        at_least = 1.0,
+        default = 1.0,
+        remedy = "surfaces hold at least what they transmit while they slide: 1 means the same at rest"
+    )]
     pub peak: f64,
     /// Speed at which 76 % of the torque act, far below the speeds of the machine; for `Smooth`.
-    #[block(unit = "rad/s", default = 0.01)]
+    #[block(unit = "rad/s", not_negative, default = 0.01)]
     pub threshold: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
@@ -57,28 +62,12 @@ const PRESSED: &[Change] = &[
 ];
 
 impl Pressed {
-    pub(crate) fn check(&self) -> Result<(), ParamError> {
-        not_negative("torque", self.torque)?;
-        finite("peak", self.peak)?;
-        if self.peak < 1.0 {
-            return Err(ParamError::new(
-                "peak",
-                format!(
-                    "`peak` is {}, but surfaces hold at least what they transmit while they slide",
-                    self.peak
-                ),
-            )
-            .help("1 means: the same at rest as while sliding"));
+    fn validate(&self, errors: &mut ParamErrors) {
+        if self.threshold == 0.0 && !self.model.sticks() {
+            let message = "`threshold` is 0, but the torque would then jump at standstill";
+            let help = "write a small speed such as \"0.01 rad/s\", or `model: Stiction`, which needs none";
+            errors.add(ParamError::new("threshold", message).help(help));
         }
-        if self.model.sticks() {
-            return not_negative("threshold", self.threshold);
-        }
-        positive("threshold", self.threshold).map_err(|error| {
-            error.help(
-                "the torque would jump at standstill; write a small speed such as \"0.01 rad/s\", or \
-                 `model: Stiction`, which needs none",
-            )
-        })
     }
 
     /// Ports, element and outputs; the input is the share of the load.
@@ -159,11 +148,11 @@ mod tests {
     #[test]
     fn a_jump_at_standstill_is_refused_unless_it_sticks() {
         let jump = Pressed { threshold: 0.0, ..SMOOTH };
-        let error = jump.check().unwrap_err();
+        let error = jump.errors()[0].clone();
         assert_eq!(error.param, "threshold");
         assert!(error.help.is_some_and(|help| help.contains("Stiction")));
-        assert_eq!(Pressed { model: FrictionModel::Stiction, ..jump }.check(), Ok(()));
-        assert_eq!(Pressed { torque: -1.0, ..SMOOTH }.check().unwrap_err().param, "torque");
-        assert_eq!(Pressed { peak: 0.9, ..SMOOTH }.check().unwrap_err().param, "peak");
+        assert_eq!(Pressed { model: FrictionModel::Stiction, ..jump }.errors()[..], []);
+        assert_eq!(Pressed { torque: -1.0, ..SMOOTH }.errors()[0].param, "torque");
+        assert_eq!(Pressed { peak: 0.9, ..SMOOTH }.errors()[0].param, "peak");
     }
 }

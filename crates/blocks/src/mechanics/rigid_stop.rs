@@ -18,38 +18,12 @@ pub(crate) struct RigidStop {
 const AT_REST: &[Change] = &[Change::to(0.0, "rests at its end"), Change::from(0.0, "leaves its end")];
 
 impl RigidStop {
-    /// Whether the numbers make sense; the start, a parameter with its name, lies within the travel.
-    pub(crate) fn check(&self, (name, start): (&str, f64), unit: &str) -> Result<(), ParamError> {
-        for (name, end) in [("lower", self.lower), ("upper", self.upper)] {
-            end.map_or(Ok(()), |end| finite(name, end))?;
-        }
+    /// Reports a travel without an end.
+    pub(crate) fn validate(&self, errors: &mut ParamErrors) {
         if self.lower.is_none() && self.upper.is_none() {
-            return Err(
-                ParamError::new("lower", "the travel has no end").help("give `lower`, `upper` or both")
-            );
+            let error = ParamError::new("lower", "the travel has no end");
+            errors.add(error.help("give `lower`, `upper` or both"));
         }
-        if let (Some(lower), Some(upper)) = (self.lower, self.upper) {
-            ordered("lower", lower, "upper", upper)?;
-        }
-        if !(0.0..=1.0).contains(&self.restitution) {
-            return Err(ParamError::new(
-                "restitution",
-                format!(
-                    "`restitution` is {}, but what bounces keeps between 0 and 1 of its speed",
-                    self.restitution
-                ),
-            )
-            .help("0 does not bounce, 1 loses nothing"));
-        }
-        finite(name, start)?;
-        if self.lower.is_some_and(|lower| start < lower) || self.upper.is_some_and(|upper| start > upper) {
-            return Err(ParamError::new(
-                name,
-                format!("the parts start at {start} {unit}, beyond an end of travel"),
-            )
-            .help("start within the travel, or move `lower` and `upper`"));
-        }
-        Ok(())
     }
 
     /// Ports, state, outputs and events.
@@ -87,6 +61,7 @@ impl RigidStop {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::translational::TranslationalRigidStop;
 
     const FLOOR: RigidStop = RigidStop { lower: Some(0.0), upper: None, restitution: 0.5 };
 
@@ -101,7 +76,11 @@ mod tests {
 
     #[test]
     fn what_makes_no_sense_is_refused() {
-        let check = |stop: RigidStop, start| stop.check(("x0", start), "m").err().map(|error| error.param);
+        let check = |stop: RigidStop, x0| {
+            let RigidStop { lower, upper, restitution } = stop;
+            let errors = TranslationalRigidStop { lower, upper, restitution, x0 }.errors();
+            errors.first().map(|error| error.param.clone())
+        };
         assert_eq!(check(FLOOR, 1.0), None);
         assert_eq!(check(FLOOR, -1.0).as_deref(), Some("x0"));
         assert_eq!(check(RigidStop { lower: None, ..FLOOR }, 1.0).as_deref(), Some("lower"));

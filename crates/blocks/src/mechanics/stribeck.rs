@@ -23,32 +23,16 @@ pub(crate) struct Stribeck {
 }
 
 impl Stribeck {
-    pub(crate) fn check(&self) -> Result<(), ParamError> {
-        not_negative("coulomb", self.coulomb)?;
-        not_negative("viscous", self.viscous)?;
-        not_negative("breakaway_velocity", self.breakaway_velocity)?;
-        finite("breakaway", self.breakaway)?;
-        if self.breakaway < self.coulomb {
-            return Err(ParamError::new(
-                "breakaway",
-                format!(
-                    "`breakaway` is {}, but must be at least `coulomb`, which is {}",
-                    self.breakaway, self.coulomb
-                ),
-            )
-            .help("without a Stribeck effect write the same value for `breakaway` and `coulomb`"));
-        }
+    /// Reports a curve that jumps at standstill.
+    pub(crate) fn validate(&self, errors: &mut ParamErrors) {
         if self.model == FrictionModel::Smooth && self.breakaway > 0.0 && self.breakaway_velocity == 0.0 {
-            return Err(ParamError::new(
-                "breakaway_velocity",
-                "`breakaway_velocity` is 0, but the torque would then jump at standstill",
-            )
-            .help(
+            let message = "`breakaway_velocity` is 0, but the torque would then jump at standstill";
+            let error = ParamError::new("breakaway_velocity", message).beside(&["breakaway"]);
+            errors.add(error.help(
                 "write `model: Stiction` for friction that sticks, a small velocity such as \"0.001 rad/s\" for a \
                  smooth curve, or zero for `breakaway` and `coulomb`",
             ));
         }
-        Ok(())
     }
 
     /// Ports and element.
@@ -117,6 +101,7 @@ impl Stribeck {
 mod tests {
     use super::*;
     use crate::mechanics::testing::law;
+    use crate::rotational::RotationalFriction;
 
     const EXAMPLE: Stribeck = Stribeck {
         breakaway: 25.0,
@@ -181,21 +166,26 @@ mod tests {
         assert_eq!((grip.hold, grip.slide[1].value), ([25.0; 2], 20.002));
     }
 
+    fn friction(law: Stribeck) -> RotationalFriction {
+        let Stribeck { breakaway, breakaway_velocity, coulomb, viscous, model } = law;
+        RotationalFriction { breakaway, breakaway_velocity, coulomb, viscous, model, heat_port: false }
+    }
+
     #[test]
     fn zeros_are_legal_and_give_zero_torque() {
         let none =
             Stribeck { breakaway: 0.0, breakaway_velocity: 0.0, coulomb: 0.0, viscous: 0.0, ..EXAMPLE };
-        assert_eq!(none.check(), Ok(()));
+        assert_eq!(friction(none).errors()[..], []);
         assert_eq!(none.smooth(3.0), (0.0, 0.0));
     }
 
     #[test]
     fn a_jump_at_standstill_and_a_breakaway_below_coulomb_are_refused() {
         let jump = Stribeck { breakaway_velocity: 0.0, ..EXAMPLE };
-        let error = jump.check().unwrap_err();
+        let error = friction(jump).errors()[0].clone();
         assert_eq!(error.param, "breakaway_velocity");
         assert!(error.help.is_some_and(|help| help.contains("Stiction")));
-        assert_eq!(Stribeck { model: FrictionModel::Stiction, ..jump }.check(), Ok(()));
-        assert_eq!(Stribeck { breakaway: 19.0, ..EXAMPLE }.check().unwrap_err().param, "breakaway");
+        assert_eq!(friction(Stribeck { model: FrictionModel::Stiction, ..jump }).errors()[..], []);
+        assert_eq!(friction(Stribeck { breakaway: 19.0, ..EXAMPLE }).errors()[0].param, "breakaway");
     }
 }

@@ -7,7 +7,7 @@ use super::forewarning::{Subject, forewarn};
 use super::joint_path::{JointPath, Rule};
 use super::limits::Limits;
 use super::planned::planned;
-use super::timed::{check_path, few};
+use super::timed::{few, validate_path};
 use crate::robotics::RobotDescription;
 
 /// Set values of one axis of a robot that moves all axes together, from rest to rest (PTP, fully synchronised).
@@ -44,7 +44,7 @@ use crate::robotics::RobotDescription;
 ///
 /// Source: W. Weber, Industrieroboter, 2017, sinusoidal profiles and fully synchronous joint moves.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Motion", symbol = Curve(Move))]
+#[block(category = "Motion", symbol = Curve(Move), builds = JointMove)]
 pub struct JointMove {
     /// The move of all axes: `(start, target, velocity, acceleration, resolution)`.
     pub path: JointPath,
@@ -53,7 +53,7 @@ pub struct JointMove {
     /// The axis whose set values come out, counted from 1 as in the robot's manual.
     pub axis: usize,
     /// Time before the move starts, not negative.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", not_negative, default = 0.0)]
     pub delay: f64,
     /// How the axes are synchronised: `Feasible` or `AsPrinted`.
     #[block(default = Rule::Feasible)]
@@ -61,7 +61,7 @@ pub struct JointMove {
     /// The robot, for moves of its tool.
     #[block(default = None)]
     pub robot: Option<RobotDescription>,
-    /// The planned move; made by `load`.
+    /// The planned move; made by `build`.
     #[block(skip)]
     plan: Option<Arc<dyn Course>>,
     /// Times that are hit exactly, counted from the start of the move, s.
@@ -70,20 +70,6 @@ pub struct JointMove {
 }
 
 impl JointMove {
-    /// A block with its plan, as it is after `load`.
-    pub fn new(path: JointPath, limits: Vec<Limits>, axis: usize, delay: f64, rule: Rule) -> Self {
-        let mut block = Self { path, limits, axis, delay, rule, robot: None, plan: None, seams: Vec::new() };
-        block.keep();
-        block
-    }
-
-    /// Plans and keeps the plan.
-    fn keep(&mut self) {
-        // A move that cannot be planned is reported by `check`, with the parameter at fault.
-        self.plan = self.planned().ok();
-        self.seams = self.plan.as_ref().map(|plan| few(plan.seams())).unwrap_or_default();
-    }
-
     fn axis_limits(&self) -> Vec<AxisLimits> {
         self.limits.iter().map(|limits| limits.of(limits.kind())).collect()
     }
@@ -97,11 +83,32 @@ impl JointMove {
         };
         planned(&self.path, &limits, self.rule, robot.as_ref(), "path")
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        validate_path(&self.path, errors);
+        let axes = self.limits.len();
+        if axes == 0 {
+            let error = ParamError::new("limits", "`limits` is empty");
+            errors.add(error.help("give what each axis can do: (lower, upper, speed, acceleration)"));
+        }
+        if !(1..=axes).contains(&self.axis) {
+            let error =
+                ParamError::new("axis", format!("`axis` is {}, but there are {axes} axes", self.axis));
+            let help = format!("axes are counted from 1: choose 1 to {axes}");
+            errors.add(error.beside(&["limits"]).help(help));
+        }
+    }
+
+    fn build(mut self, errors: &mut ParamErrors) -> Option<Self> {
+        let plan = errors.take(self.planned())?;
+        self.seams = few(plan.seams());
+        self.plan = Some(plan);
+        Some(self)
+    }
 }
 
 impl Block for JointMove {
     fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
-        self.keep();
         let Some(course) = &self.plan else { return Ok(()) };
         // A description that makes no robot is reported where it is used.
         let robot = self.robot.as_ref().and_then(|robot| robot.robot("robot").ok());
@@ -115,24 +122,6 @@ impl Block for JointMove {
             surroundings: None,
         };
         forewarn(subject, course.as_ref(), robot.as_ref(), files);
-        Ok(())
-    }
-
-    fn check(&self) -> Result<(), ParamError> {
-        // What follows a path takes a while to plan: not twice.
-        let known = self.plan.is_some() && (self.path.tool.is_some() || !self.path.moves.is_empty());
-        if !known {
-            self.planned()?;
-        }
-        check_path(&self.path, self.delay)?;
-        let axes = self.limits.len();
-        if !(1..=axes).contains(&self.axis) {
-            return Err(ParamError::new(
-                "axis",
-                format!("`axis` is {}, but there are {axes} axes", self.axis),
-            )
-            .help(format!("axes are counted from 1: choose 1 to {axes}")));
-        }
         Ok(())
     }
 

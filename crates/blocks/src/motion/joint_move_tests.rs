@@ -5,17 +5,21 @@ use blocksim_block::in_unit::AxisValue;
 use blocksim_block::testing::Bench;
 use std::f64::consts::PI;
 
+fn of(path: JointPath, limits: Vec<Limits>, axis: usize, delay: f64, rule: Rule) -> JointMove {
+    JointMove { path, limits, axis, delay, rule, robot: None, plan: None, seams: Vec::new() }
+}
+
 /// Two axes over 1 rad and -0.5 rad, at most 1 rad/s and 10 rad/s^2.
 fn block(axis: usize) -> JointMove {
     let path = JointPath::joint(vec![0.0, 0.25], vec![1.0, -0.25], 0.5, 0.25);
     let limits = vec![Limits { lower: -1.5, upper: 1.5, speed: 1.0, acceleration: 10.0, slides: None }; 2];
-    JointMove::new(path, limits, axis, 0.5, Rule::Feasible)
+    of(path, limits, axis, 0.5, Rule::Feasible)
 }
 
 fn refused(change: impl Fn(&mut JointMove)) -> ParamError {
     let mut block = block(1);
     change(&mut block);
-    block.check().unwrap_err()
+    block.try_build().unwrap_err()[0].clone()
 }
 
 #[test]
@@ -52,7 +56,7 @@ fn the_axis_rests_before_and_after_the_move() {
 #[test]
 fn the_seams_are_time_events_and_the_end_is_known() {
     let block = block(1);
-    let end = block.end_time().unwrap();
+    let end = block.clone().built().end_time().unwrap();
     assert!((end - (0.5 + 8.0 / 3.0)).abs() < 1e-15);
     let mut bench = Bench::new(block);
     for expected in [0.5, 0.5 + 2.0 / 3.0, 2.5, end] {
@@ -63,21 +67,9 @@ fn the_seams_are_time_events_and_the_end_is_known() {
 }
 
 #[test]
-fn loading_makes_the_plan() {
-    #[derive(Debug)]
-    struct NoFiles;
-    impl Files for NoFiles {
-        fn read(&self, path: &str) -> Result<String, String> {
-            Err(format!("no file {path}"))
-        }
-        fn folder(&self) -> &std::path::Path {
-            std::path::Path::new("")
-        }
-    }
-    let mut fresh = JointMove { plan: None, ..block(1) };
-    assert_eq!(fresh.end_time(), None);
-    fresh.load(&NoFiles).unwrap();
-    assert_eq!(fresh.end_time(), block(1).end_time());
+fn building_makes_the_plan() {
+    assert_eq!(block(1).end_time(), None);
+    assert!(block(1).built().end_time().is_some());
 }
 
 #[test]
@@ -132,7 +124,7 @@ fn the_rule_as_printed_can_be_chosen() {
         limits[1].acceleration = 0.3;
         let mut path = block(1).path;
         path.target[0].value = 1.4;
-        JointMove::new(path, limits, 1, 0.0, rule).end_time().unwrap()
+        of(path, limits, 1, 0.0, rule).built().end_time().unwrap()
     };
     assert!(with(Rule::AsPrinted) < with(Rule::Feasible));
 }
@@ -146,11 +138,9 @@ fn an_axis_that_slides_has_lengths() {
     let units: Vec<_> = block.interface(&Given::nothing()).unwrap().outputs;
     let units: Vec<_> = units.iter().filter_map(|y| Some(y.port_type.dimension?.to_string())).collect();
     assert_eq!(units, ["m", "m/s", "m/s^2"]);
-    block.keep();
-    block.check().unwrap();
+    block = block.built();
     block.path.target[1] = AxisValue { value: 0.5, slides: Some(false) };
-    block.plan = None;
-    let error = block.check().unwrap_err();
+    let error = &block.try_build().unwrap_err()[0];
     assert_eq!(error.param, "path.target[1]");
     assert_eq!(error.message, "axis 2 slides, but this has the unit of an axis that turns");
 }

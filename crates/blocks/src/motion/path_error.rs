@@ -17,15 +17,11 @@ use blocksim_block::prelude::*;
 #[block(category = "Motion")]
 pub struct PathError {
     /// Speed below which the tool counts as resting, positive.
-    #[block(unit = "m/s", default = 1e-3)]
+    #[block(unit = "m/s", positive, default = 1e-3)]
     pub slow: f64,
 }
 
 impl Block for PathError {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("slow", self.slow)
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let vector =
             |name: &str, unit: &str, doc| Input::real(name).shape(Shape::Vector(3)).unit(unit).doc(doc);
@@ -79,6 +75,6 @@ mod tests {
 
     #[test]
     fn a_speed_of_nothing_cannot_be_told_from_rest() {
-        assert_eq!(PathError { slow: 0.0 }.check().unwrap_err().param, "slow");
+        assert_eq!(PathError { slow: 0.0 }.errors()[0].param, "slow");
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::forewarning::{Subject, forewarn};
 use super::joint_path::{JointPath, Rule};
 use super::planned::planned;
-use super::timed::{check_path, few};
+use super::timed::{few, validate_path};
 use crate::robotics::arm::OfAxes;
 use crate::robotics::pose::{Pose, pose_outputs};
 use crate::robotics::{RobotDescription, Surroundings};
@@ -35,14 +35,14 @@ use crate::robotics::{RobotDescription, Surroundings};
 /// )
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Motion", symbol = Curve(Move))]
+#[block(category = "Motion", symbol = Curve(Move), builds = RobotMove)]
 pub struct RobotMove {
     /// The robot: links with axes and limits, frames and tool.
     pub robot: RobotDescription,
     /// The move, as of `JointMove`.
     pub path: JointPath,
     /// Time before the move starts, not negative.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", not_negative, default = 0.0)]
     pub delay: f64,
     /// What stands around the robot: the move is checked for collisions with it, as it is for those of the robot with itself.
     #[block(default = None)]
@@ -50,7 +50,7 @@ pub struct RobotMove {
     /// How the axes of a joint move are synchronised: `Feasible` or `AsPrinted`.
     #[block(default = Rule::Feasible)]
     pub rule: Rule,
-    /// The robot and its move; made by `load`.
+    /// The robot and its move; made by `build`.
     #[block(skip)]
     plan: Option<(blocksim_robot::Robot, Arc<dyn Course>)>,
     /// Times that are hit exactly, counted from the start of the move, s.
@@ -68,19 +68,23 @@ struct Work {
 }
 
 impl RobotMove {
-    fn planned(&self) -> Result<(blocksim_robot::Robot, Arc<dyn Course>), ParamError> {
-        let robot = self.robot.robot("robot")?;
-        let course = planned(&self.path, &robot.limits(), self.rule, Some(&robot), "path")?;
-        Ok((robot, course))
+    fn validate(&self, errors: &mut ParamErrors) {
+        validate_path(&self.path, errors);
+    }
+
+    fn build(mut self, errors: &mut ParamErrors) -> Option<Self> {
+        let robot = errors.take(self.robot.robot("robot"))?;
+        errors.take(self.robot.space(&robot, self.surroundings.as_ref(), "surroundings"));
+        let course = errors.take(planned(&self.path, &robot.limits(), self.rule, Some(&robot), "path"))?;
+        self.seams = few(course.seams());
+        self.plan = Some((robot, course));
+        Some(self)
     }
 }
 
 impl Block for RobotMove {
     fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
-        // A move that cannot be planned is reported by `check`, with the parameter at fault.
-        self.plan = self.planned().ok();
         if let Some((robot, course)) = &self.plan {
-            self.seams = few(course.seams());
             let subject = Subject {
                 path: self.path.clone(),
                 limits: robot.limits(),
@@ -92,16 +96,6 @@ impl Block for RobotMove {
             forewarn(subject, course.as_ref(), Some(robot), files);
         }
         Ok(())
-    }
-
-    fn check(&self) -> Result<(), ParamError> {
-        match &self.plan {
-            None => drop(self.planned()?),
-            Some((robot, _)) => {
-                self.robot.space(robot, self.surroundings.as_ref(), "surroundings")?;
-            }
-        }
-        check_path(&self.path, self.delay)
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {

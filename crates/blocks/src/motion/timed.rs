@@ -25,8 +25,7 @@ pub(super) fn check_singular_limit(path: &JointPath, param: &str) -> Result<(), 
     }
 }
 
-/// What planning does not look at.
-pub(super) fn check_path(path: &JointPath, delay: f64) -> Result<(), ParamError> {
-    positive("path.resolution", path.resolution)?;
-    not_negative("delay", delay)
+/// Reports what planning does not look at.
+pub(super) fn validate_path(path: &JointPath, errors: &mut ParamErrors) {
+    errors.take(positive("path.resolution", path.resolution));
 }

@@ -11,21 +11,6 @@ pub(crate) fn unit(axis: [f64; 3]) -> [f64; 3] {
     axis.map(|a| a / length)
 }
 
-/// A direction must have one.
-pub(crate) fn direction(name: &'static str, axis: [f64; 3]) -> Result<(), ParamError> {
-    axis.iter().try_for_each(|a| finite(name, *a))?;
-    match axis == [0.0; 3] {
-        true => Err(ParamError::new(name, format!("`{name}` has no length, so it has no direction"))
-            .help("write the direction in `base`, for instance [0.0, 0.0, 1.0]")),
-        false => Ok(()),
-    }
-}
-
-/// Start values, where they are given.
-pub(crate) fn finite_start(name: &'static str, value: Option<f64>) -> Result<(), ParamError> {
-    value.map_or(Ok(()), |value| finite(name, value))
-}
-
 /// Spring, damper and end of travel of an axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Inside {
@@ -94,31 +79,16 @@ impl Inside {
         inside + above.unwrap_or_default() + below.unwrap_or_default()
     }
 
-    /// Whether the numbers make sense, under the names `equilibrium`, `stiffness`, `damping`, `lower`, `upper`,
-    /// `limit_stiffness`, `limit_damping` and `limit_transition`; the start at `position` lies within the limits.
-    pub(crate) fn check(&self, position: Option<f64>, unit: &str) -> Result<(), ParamError> {
-        finite("equilibrium", self.equilibrium)?;
-        not_negative("stiffness", self.stiffness)?;
-        not_negative("damping", self.damping)?;
-        not_negative("limit_stiffness", self.limit.stiffness)?;
-        not_negative("limit_damping", self.limit.damping)?;
-        not_negative("limit_transition", self.limit.transition)?;
-        for (name, limit) in [("lower", self.lower), ("upper", self.upper)] {
-            limit.map_or(Ok(()), |limit| finite(name, limit))?;
-        }
-        if let (Some(lower), Some(upper)) = (self.lower, self.upper) {
-            ordered("lower", lower, "upper", upper)?;
-        }
+    /// Reports a start, at zero unless given, that is not within the limits.
+    pub(crate) fn validate(&self, position: Option<f64>, unit: &str, errors: &mut ParamErrors) {
         let position = position.unwrap_or(0.0);
         let below = self.lower.filter(|lower| position < *lower).map(|lower| ("lower", lower, "below"));
         let above = self.upper.filter(|upper| position > *upper).map(|upper| ("upper", upper, "above"));
-        match below.or(above) {
-            Some((name, limit, side)) => Err(ParamError::new(
-                "position",
-                format!("the joint starts at {position} {unit}, {side} its {name} limit of {limit} {unit}"),
-            )
-            .help(format!("start within the limits, or change `{name}`"))),
-            None => Ok(()),
+        if let Some((name, limit, side)) = below.or(above) {
+            let message =
+                format!("the joint starts at {position} {unit}, {side} its {name} limit of {limit} {unit}");
+            let error = ParamError::new("position", message).beside(&[name]);
+            errors.add(error.help(format!("start within the limits, or change `{name}`")));
         }
     }
 }

@@ -38,27 +38,16 @@ pub struct Body {
     pub shapes: Option<Shapes>,
 }
 
-impl Block for Body {
-    fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
+impl Component for Body {
+    fn locate(&mut self, files: &dyn Files) {
         for shape in self.shapes.iter_mut().flat_map(|shapes| &mut shapes.0) {
             if let Form::Mesh { file, .. } = &mut shape.form {
                 // Only who draws or measures it opens the file.
                 *file = files.folder().join(&*file).to_string_lossy().into_owned();
             }
         }
-        Ok(())
     }
 
-    fn check(&self) -> Result<(), ParamError> {
-        self.properties.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
-impl Component for Body {
     fn part(&self, _given: &Given) -> Part {
         let shapes = self.shapes.iter().flat_map(|shapes| &shapes.0);
         let MassProperties { mass, com, moi, poi } = self.properties;

@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{direction, finite_start, spring, spring_energy, unit};
+use super::axis::{spring, spring_energy, unit};
 
 /// A joint that slides `follower` along an axis of `base` and turns it about the same axis, independently.
 ///
@@ -17,50 +17,32 @@ use super::axis::{direction, finite_start, spring, spring_energy, unit};
 #[block(category = "Multibody", symbol = Cylinder)]
 pub struct CylindricalJoint {
     /// Direction of the axis in `base`; its length does not matter.
-    #[block(default = [0.0, 0.0, 1.0])]
+    #[block(direction, default = [0.0, 0.0, 1.0])]
     pub axis: [f64; 3],
     /// Position $x$ at the start. Where none is given it is zero, or in a closed loop what closes it.
-    #[block(unit = "m", default = None)]
+    #[block(unit = "m", finite, default = None)]
     pub position: Option<f64>,
     /// Speed $\dot x$ at the start.
-    #[block(unit = "m/s", default = None)]
+    #[block(unit = "m/s", finite, default = None)]
     pub velocity: Option<f64>,
     /// Angle $q$ at the start. Where none is given it is zero, or in a closed loop what closes it.
-    #[block(unit = "rad", default = None)]
+    #[block(unit = "rad", finite, default = None)]
     pub angle: Option<f64>,
     /// Speed $\dot q$ at the start.
-    #[block(unit = "rad/s", default = None)]
+    #[block(unit = "rad/s", finite, default = None)]
     pub speed: Option<f64>,
     /// Stiffness $k_x$ of a spring along the axis.
-    #[block(unit = "N/m", default = 0.0)]
+    #[block(unit = "N/m", not_negative, default = 0.0)]
     pub slide_stiffness: f64,
     /// Coefficient $d_x$ of a damper along the axis.
-    #[block(unit = "N*s/m", default = 0.0)]
+    #[block(unit = "N*s/m", not_negative, default = 0.0)]
     pub slide_damping: f64,
     /// Stiffness $k_q$ of a spring about the axis.
-    #[block(unit = "N*m/rad", default = 0.0)]
+    #[block(unit = "N*m/rad", not_negative, default = 0.0)]
     pub turn_stiffness: f64,
     /// Coefficient $d_q$ of a damper about the axis.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub turn_damping: f64,
-}
-
-impl Block for CylindricalJoint {
-    fn check(&self) -> Result<(), ParamError> {
-        direction("axis", self.axis)?;
-        finite_start("position", self.position)?;
-        finite_start("velocity", self.velocity)?;
-        finite_start("angle", self.angle)?;
-        finite_start("speed", self.speed)?;
-        not_negative("slide_stiffness", self.slide_stiffness)?;
-        not_negative("slide_damping", self.slide_damping)?;
-        not_negative("turn_stiffness", self.turn_stiffness)?;
-        not_negative("turn_damping", self.turn_damping)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for CylindricalJoint {

@@ -29,12 +29,6 @@ pub struct ExternalForce {
     pub axes: Axes,
 }
 
-impl Block for ExternalForce {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for ExternalForce {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

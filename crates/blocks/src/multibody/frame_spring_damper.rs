@@ -17,13 +17,13 @@ use super::vector::{between, dot, scale, sub};
 #[block(category = "Multibody", symbol = SpringDamper)]
 pub struct FrameSpringDamper {
     /// Stiffness $k$.
-    #[block(unit = "N/m", default = 0.0)]
+    #[block(unit = "N/m", not_negative, default = 0.0)]
     pub stiffness: f64,
     /// Coefficient $d$ of the damper.
-    #[block(unit = "N*s/m", default = 0.0)]
+    #[block(unit = "N*s/m", not_negative, default = 0.0)]
     pub damping: f64,
     /// Length $l_0$ of the relaxed spring.
-    #[block(unit = "m", default = 0.0)]
+    #[block(unit = "m", not_negative, default = 0.0)]
     pub length: f64,
 }
 
@@ -41,18 +41,6 @@ impl FrameSpringDamper {
         let direction = scale(1.0 / distance, way);
         let rate = dot(sub(frames[1].velocity, frames[0].velocity), direction);
         (direction, [distance, rate, self.stiffness * (distance - self.length) + self.damping * rate])
-    }
-}
-
-impl Block for FrameSpringDamper {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("stiffness", self.stiffness)?;
-        not_negative("damping", self.damping)?;
-        not_negative("length", self.length)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 

@@ -16,30 +16,17 @@ use super::quaternion;
 #[block(category = "Multibody", symbol = Text("6 dof"))]
 pub struct FreeJoint {
     /// Position at the start.
-    #[block(unit = "m", default = None)]
+    #[block(unit = "m", finite, default = None)]
     pub position: Option<[f64; 3]>,
     /// Roll, pitch and yaw at the start.
-    #[block(unit = "rad", default = None)]
+    #[block(unit = "rad", finite, default = None)]
     pub rpy: Option<[f64; 3]>,
     /// Velocity at the start in the axes of `base`.
-    #[block(unit = "m/s", default = None)]
+    #[block(unit = "m/s", finite, default = None)]
     pub velocity: Option<[f64; 3]>,
     /// Angular velocity at the start in the axes of `follower`.
-    #[block(unit = "rad/s", default = None)]
+    #[block(unit = "rad/s", finite, default = None)]
     pub spin: Option<[f64; 3]>,
-}
-
-impl Block for FreeJoint {
-    fn check(&self) -> Result<(), ParamError> {
-        self.position.iter().flatten().try_for_each(|x| finite("position", *x))?;
-        self.rpy.iter().flatten().try_for_each(|x| finite("rpy", *x))?;
-        self.velocity.iter().flatten().try_for_each(|x| finite("velocity", *x))?;
-        self.spin.iter().flatten().try_for_each(|x| finite("spin", *x))
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for FreeJoint {

@@ -6,27 +6,17 @@ use blocksim_block::prelude::*;
 #[derive(Debug, Clone, Copy, PartialEq, Parameters)]
 pub struct MassProperties {
     /// Mass.
-    #[block(unit = "kg")]
+    #[block(unit = "kg", not_negative)]
     pub mass: f64,
     /// Centre of mass in the frame: x, y, z.
-    #[block(unit = "m", default = [0.0, 0.0, 0.0])]
+    #[block(unit = "m", finite, default = [0.0, 0.0, 0.0])]
     pub com: [f64; 3],
     /// Moments of inertia Ixx, Iyy, Izz about the centre of mass.
-    #[block(unit = "kg*m^2", default = [0.0, 0.0, 0.0])]
+    #[block(unit = "kg*m^2", not_negative, default = [0.0, 0.0, 0.0])]
     pub moi: [f64; 3],
     /// Products of inertia Iyz, Izx, Ixy about the centre of mass.
-    #[block(unit = "kg*m^2", default = [0.0, 0.0, 0.0])]
+    #[block(unit = "kg*m^2", finite, default = [0.0, 0.0, 0.0])]
     pub poi: [f64; 3],
-}
-
-impl MassProperties {
-    /// Refuses what no body has.
-    pub(crate) fn check(&self) -> Result<(), ParamError> {
-        not_negative("mass", self.mass)?;
-        self.com.iter().try_for_each(|x| finite("com", *x))?;
-        self.moi.iter().try_for_each(|i| not_negative("moi", *i))?;
-        self.poi.iter().try_for_each(|i| finite("poi", *i))
-    }
 }
 
 #[cfg(test)]
@@ -36,8 +26,8 @@ mod tests {
     #[test]
     fn negative_masses_and_moments_of_inertia_are_refused() {
         let properties = MassProperties { mass: 1.0, com: [0.0; 3], moi: [0.1; 3], poi: [0.0; 3] };
-        assert_eq!(properties.check(), Ok(()));
-        assert_eq!(MassProperties { mass: -1.0, ..properties }.check().unwrap_err().param, "mass");
-        assert_eq!(MassProperties { moi: [0.1, -0.1, 0.1], ..properties }.check().unwrap_err().param, "moi");
+        assert_eq!(properties.errors()[..], []);
+        assert_eq!(MassProperties { mass: -1.0, ..properties }.errors()[0].param, "mass");
+        assert_eq!(MassProperties { moi: [0.1, -0.1, 0.1], ..properties }.errors()[0].param, "moi[1]");
     }
 }

@@ -20,16 +20,6 @@ pub struct Payload {
     pub properties: MassProperties,
 }
 
-impl Block for Payload {
-    fn check(&self) -> Result<(), ParamError> {
-        self.properties.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for Payload {
     fn part(&self, _given: &Given) -> Part {
         let MassProperties { mass, com, moi, poi } = self.properties;

@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{finite_start, spring, spring_energy, vector_input, vector_output};
+use super::axis::{spring, spring_energy, vector_input, vector_output};
 
 /// A joint that lets `follower` slide in the x-y plane of `base` and turn about its z axis.
 ///
@@ -15,28 +15,28 @@ use super::axis::{finite_start, spring, spring_energy, vector_input, vector_outp
 #[block(category = "Multibody", symbol = Planar)]
 pub struct PlanarJoint {
     /// Position x, y at the start. Where none is given it is zero, or in a closed loop what closes it.
-    #[block(unit = "m", default = None)]
+    #[block(unit = "m", finite, default = None)]
     pub position: Option<[f64; 2]>,
     /// Velocity x, y at the start.
-    #[block(unit = "m/s", default = None)]
+    #[block(unit = "m/s", finite, default = None)]
     pub velocity: Option<[f64; 2]>,
     /// Angle at the start. Where none is given it is zero, or in a closed loop what closes it.
-    #[block(unit = "rad", default = None)]
+    #[block(unit = "rad", finite, default = None)]
     pub angle: Option<f64>,
     /// Speed of rotation at the start.
-    #[block(unit = "rad/s", default = None)]
+    #[block(unit = "rad/s", finite, default = None)]
     pub speed: Option<f64>,
     /// Stiffness of springs along x and y.
-    #[block(unit = "N/m", default = 0.0)]
+    #[block(unit = "N/m", not_negative, default = 0.0)]
     pub slide_stiffness: f64,
     /// Coefficient of dampers along x and y.
-    #[block(unit = "N*s/m", default = 0.0)]
+    #[block(unit = "N*s/m", not_negative, default = 0.0)]
     pub slide_damping: f64,
     /// Stiffness of a spring about z.
-    #[block(unit = "N*m/rad", default = 0.0)]
+    #[block(unit = "N*m/rad", not_negative, default = 0.0)]
     pub turn_stiffness: f64,
     /// Coefficient of a damper about z.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub turn_damping: f64,
 }
 
@@ -47,23 +47,6 @@ impl PlanarJoint {
             2 => (self.turn_stiffness, self.turn_damping),
             _ => (self.slide_stiffness, self.slide_damping),
         }
-    }
-}
-
-impl Block for PlanarJoint {
-    fn check(&self) -> Result<(), ParamError> {
-        self.position.iter().flatten().try_for_each(|x| finite("position", *x))?;
-        self.velocity.iter().flatten().try_for_each(|x| finite("velocity", *x))?;
-        finite_start("angle", self.angle)?;
-        finite_start("speed", self.speed)?;
-        not_negative("slide_stiffness", self.slide_stiffness)?;
-        not_negative("slide_damping", self.slide_damping)?;
-        not_negative("turn_stiffness", self.turn_stiffness)?;
-        not_negative("turn_damping", self.turn_damping)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 

@@ -23,19 +23,19 @@ use super::vector::{add, between, dot, scale, sub, to_world, velocity_seen};
 #[block(category = "Multibody", symbol = Touch)]
 pub struct PointPlaneContact {
     /// Stiffness $k$.
-    #[block(unit = "N/m", default = 1e6)]
+    #[block(unit = "N/m", not_negative, default = 1e6)]
     pub stiffness: f64,
     /// Damping $d$.
-    #[block(unit = "N*s/m", default = 1e3)]
+    #[block(unit = "N*s/m", not_negative, default = 1e3)]
     pub damping: f64,
     /// Depth $b$ over which both set in.
-    #[block(unit = "m", default = 1e-4)]
+    #[block(unit = "m", not_negative, default = 1e-4)]
     pub transition: f64,
     /// Coefficient of friction $\mu$; zero has none.
-    #[block(default = 0.0)]
+    #[block(not_negative, default = 0.0)]
     pub friction: f64,
     /// Speed $v_{th}$ of sliding at which 76 % of the friction act.
-    #[block(unit = "m/s", default = 1e-3)]
+    #[block(unit = "m/s", positive, default = 1e-3)]
     pub threshold: f64,
 }
 
@@ -74,20 +74,6 @@ impl PointPlaneContact {
     /// Friction along the plane, N.
     fn grip(&self, normal: f64, slip: f64) -> f64 {
         self.friction * normal * (slip / self.threshold).tanh()
-    }
-}
-
-impl Block for PointPlaneContact {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("stiffness", self.stiffness)?;
-        not_negative("damping", self.damping)?;
-        not_negative("transition", self.transition)?;
-        not_negative("friction", self.friction)?;
-        positive("threshold", self.threshold)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 

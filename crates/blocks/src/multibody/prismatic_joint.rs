@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{Inside, direction, finite_start, unit};
+use super::axis::{Inside, unit};
 use super::joint_limit::JointLimit;
 
 /// A joint that slides `follower` along an axis of `base`; the axes of both frames stay parallel.
@@ -21,37 +21,37 @@ use super::joint_limit::JointLimit;
 #[block(category = "Multibody", symbol = Slide)]
 pub struct PrismaticJoint {
     /// Direction of the axis in `base`; its length does not matter.
-    #[block(default = [0.0, 0.0, 1.0])]
+    #[block(direction, default = [0.0, 0.0, 1.0])]
     pub axis: [f64; 3],
     /// Position at the start. Where none is given it is zero, or in a closed loop what closes it.
-    #[block(unit = "m", default = None)]
+    #[block(unit = "m", finite, default = None)]
     pub position: Option<f64>,
     /// Speed at the start. Where none is given it is zero, or in a closed loop what fits the others.
-    #[block(unit = "m/s", default = None)]
+    #[block(unit = "m/s", finite, default = None)]
     pub velocity: Option<f64>,
     /// Position $x_0$ at which the spring inside is relaxed.
-    #[block(unit = "m", default = 0.0)]
+    #[block(unit = "m", finite, default = 0.0)]
     pub equilibrium: f64,
     /// Stiffness $k$ of the spring inside.
-    #[block(unit = "N/m", default = 0.0)]
+    #[block(unit = "N/m", not_negative, default = 0.0)]
     pub stiffness: f64,
     /// Coefficient $d$ of the damper inside.
-    #[block(unit = "N*s/m", default = 0.0)]
+    #[block(unit = "N*s/m", not_negative, default = 0.0)]
     pub damping: f64,
     /// Least position; none unless given.
-    #[block(unit = "m", default = None)]
+    #[block(unit = "m", finite, default = None)]
     pub lower: Option<f64>,
     /// Largest position; none unless given.
-    #[block(unit = "m", default = None)]
+    #[block(unit = "m", finite, above = lower, default = None)]
     pub upper: Option<f64>,
     /// Stiffness beyond a limit.
-    #[block(unit = "N/m", default = 1e6)]
+    #[block(unit = "N/m", not_negative, default = 1e6)]
     pub limit_stiffness: f64,
     /// Damping beyond a limit.
-    #[block(unit = "N*s/m", default = 1e3)]
+    #[block(unit = "N*s/m", not_negative, default = 1e3)]
     pub limit_damping: f64,
     /// Width $b$ over which a limit sets in.
-    #[block(unit = "m", default = 1e-4)]
+    #[block(unit = "m", not_negative, default = 1e-4)]
     pub limit_transition: f64,
 }
 
@@ -70,18 +70,9 @@ impl PrismaticJoint {
             },
         }
     }
-}
 
-impl Block for PrismaticJoint {
-    fn check(&self) -> Result<(), ParamError> {
-        direction("axis", self.axis)?;
-        finite_start("position", self.position)?;
-        finite_start("velocity", self.velocity)?;
-        self.inside().check(self.position, "m")
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.inside().validate(self.position, "m", errors);
     }
 }
 

@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{Inside, direction, finite_start, unit};
+use super::axis::{Inside, unit};
 use super::joint_limit::JointLimit;
 
 /// A joint that turns `follower` about an axis of `base`; both origins coincide.
@@ -28,37 +28,37 @@ use super::joint_limit::JointLimit;
 #[block(category = "Multibody", symbol = Hinge)]
 pub struct RevoluteJoint {
     /// Direction of the axis in `base`; its length does not matter.
-    #[block(default = [0.0, 0.0, 1.0])]
+    #[block(direction, default = [0.0, 0.0, 1.0])]
     pub axis: [f64; 3],
     /// Angle at the start. Where none is given it is zero, or in a closed loop what closes it.
-    #[block(unit = "rad", default = None)]
+    #[block(unit = "rad", finite, default = None)]
     pub position: Option<f64>,
     /// Speed at the start. Where none is given it is zero, or in a closed loop what fits the others.
-    #[block(unit = "rad/s", default = None)]
+    #[block(unit = "rad/s", finite, default = None)]
     pub velocity: Option<f64>,
     /// Angle $q_0$ at which the spring inside is relaxed.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub equilibrium: f64,
     /// Stiffness $k$ of the spring inside.
-    #[block(unit = "N*m/rad", default = 0.0)]
+    #[block(unit = "N*m/rad", not_negative, default = 0.0)]
     pub stiffness: f64,
     /// Coefficient $d$ of the damper inside.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub damping: f64,
     /// Least angle; none unless given.
-    #[block(unit = "rad", default = None)]
+    #[block(unit = "rad", finite, default = None)]
     pub lower: Option<f64>,
     /// Largest angle; none unless given.
-    #[block(unit = "rad", default = None)]
+    #[block(unit = "rad", finite, above = lower, default = None)]
     pub upper: Option<f64>,
     /// Stiffness $k_l$ beyond a limit.
-    #[block(unit = "N*m/rad", default = 5.73e5)]
+    #[block(unit = "N*m/rad", not_negative, default = 5.73e5)]
     pub limit_stiffness: f64,
     /// Damping $d_l$ beyond a limit.
-    #[block(unit = "N*m*s/rad", default = 573.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 573.0)]
     pub limit_damping: f64,
     /// Width $b$ over which a limit sets in.
-    #[block(unit = "rad", default = 1.745e-3)]
+    #[block(unit = "rad", not_negative, default = 1.745e-3)]
     pub limit_transition: f64,
 }
 
@@ -77,18 +77,9 @@ impl RevoluteJoint {
             },
         }
     }
-}
 
-impl Block for RevoluteJoint {
-    fn check(&self) -> Result<(), ParamError> {
-        direction("axis", self.axis)?;
-        finite_start("position", self.position)?;
-        finite_start("velocity", self.velocity)?;
-        self.inside().check(self.position, "rad")
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.inside().validate(self.position, "rad", errors);
     }
 }
 
@@ -177,16 +168,16 @@ mod tests {
 
     #[test]
     fn a_start_outside_the_limits_is_refused() {
-        let error = RevoluteJoint { position: Some(2.5), ..JOINT }.check().unwrap_err();
+        let error = RevoluteJoint { position: Some(2.5), ..JOINT }.errors()[0].clone();
         assert_eq!(error.param, "position");
         assert!(error.message.contains("above its upper limit of 2 rad"), "{}", error.message);
-        assert_eq!(RevoluteJoint { position: Some(-1.5), ..JOINT }.check().unwrap_err().param, "position");
-        assert_eq!(JOINT.check(), Ok(()));
+        assert_eq!(RevoluteJoint { position: Some(-1.5), ..JOINT }.errors()[0].param, "position");
+        assert_eq!(JOINT.errors()[..], []);
     }
 
     #[test]
     fn limits_out_of_order_and_an_axis_without_length_are_refused() {
-        assert_eq!(RevoluteJoint { upper: Some(-2.0), ..JOINT }.check().unwrap_err().param, "upper");
-        assert_eq!(RevoluteJoint { axis: [0.0; 3], ..JOINT }.check().unwrap_err().param, "axis");
+        assert_eq!(RevoluteJoint { upper: Some(-2.0), ..JOINT }.errors()[0].param, "upper");
+        assert_eq!(RevoluteJoint { axis: [0.0; 3], ..JOINT }.errors()[0].param, "axis");
     }
 }

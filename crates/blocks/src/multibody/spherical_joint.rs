@@ -22,30 +22,17 @@ use super::quaternion;
 pub struct SphericalJoint {
     /// Roll, pitch and yaw of `follower` in `base` at the start. Where none are given the frames are parallel, or in
     /// a closed loop as it closes.
-    #[block(unit = "rad", default = None)]
+    #[block(unit = "rad", finite, default = None)]
     pub rpy: Option<[f64; 3]>,
     /// Angular velocity at the start in the axes of `follower`.
-    #[block(unit = "rad/s", default = None)]
+    #[block(unit = "rad/s", finite, default = None)]
     pub velocity: Option<[f64; 3]>,
     /// Stiffness $k$ of a spring that aligns the frames.
-    #[block(unit = "N*m/rad", default = 0.0)]
+    #[block(unit = "N*m/rad", not_negative, default = 0.0)]
     pub stiffness: f64,
     /// Coefficient $d$ of a damper.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub damping: f64,
-}
-
-impl Block for SphericalJoint {
-    fn check(&self) -> Result<(), ParamError> {
-        self.rpy.iter().flatten().try_for_each(|x| finite("rpy", *x))?;
-        self.velocity.iter().flatten().try_for_each(|x| finite("velocity", *x))?;
-        not_negative("stiffness", self.stiffness)?;
-        not_negative("damping", self.damping)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for SphericalJoint {

@@ -18,13 +18,13 @@ use blocksim_block::prelude::*;
 #[block(category = "Multibody", symbol = Frame)]
 pub struct Transform {
     /// Origin of `follower` in `base`: x, y, z.
-    #[block(unit = "m", default = [0.0, 0.0, 0.0])]
+    #[block(unit = "m", finite, default = [0.0, 0.0, 0.0])]
     pub translation: [f64; 3],
     /// Roll, pitch and yaw.
-    #[block(unit = "rad", default = [0.0, 0.0, 0.0])]
+    #[block(unit = "rad", finite, default = [0.0, 0.0, 0.0])]
     pub rpy: [f64; 3],
     /// Rotation matrix, row by row, instead of `rpy`.
-    #[block(default = None)]
+    #[block(finite, default = None)]
     pub rotation: Option<[[f64; 3]; 3]>,
 }
 
@@ -44,56 +44,43 @@ impl Transform {
             [-sp, cp * sr, cp * cr],
         ]
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        let Some(rotation) = &self.rotation else { return };
+        if self.rpy != [0.0; 3] {
+            let error =
+                ParamError::new("rotation", "the rotation is given twice, by `rpy` and by `rotation`");
+            errors.add(error.beside(&["rpy"]).help("keep one of them"));
+        }
+        let mut is_orthogonal = true;
+        for (i, a) in rotation.iter().enumerate() {
+            for (j, b) in rotation.iter().enumerate().skip(i) {
+                let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+                let expected = if i == j { 1.0 } else { 0.0 };
+                if (product - expected).abs() < ROUNDING {
+                    continue;
+                }
+                is_orthogonal = false;
+                let (i, j) = (i + 1, j + 1);
+                let message = match i == j {
+                    true => format!("row {i} of `rotation` has the length {}, not 1", product.sqrt()),
+                    false => format!("rows {i} and {j} of `rotation` have the product {product}, not 0"),
+                };
+                let help = "the rows of a rotation matrix have length 1 and are perpendicular; or use `rpy`";
+                errors.add(ParamError::new("rotation", message).help(help));
+            }
+        }
+        if is_orthogonal && determinant(rotation) < 0.0 {
+            let error = ParamError::new("rotation", "`rotation` is a reflection: its determinant is -1");
+            errors.add(error.help("change the sign of one row"));
+        }
+    }
 }
 
 /// Determinant of a matrix.
 fn determinant(m: &[[f64; 3]; 3]) -> f64 {
     let minor = |a: usize, b: usize| m[1][a] * m[2][b] - m[1][b] * m[2][a];
     m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1)
-}
-
-impl Block for Transform {
-    fn check(&self) -> Result<(), ParamError> {
-        self.translation.iter().try_for_each(|x| finite("translation", *x))?;
-        self.rpy.iter().try_for_each(|angle| finite("rpy", *angle))?;
-        let Some(rotation) = &self.rotation else { return Ok(()) };
-        if self.rpy != [0.0; 3] {
-            return Err(ParamError::new(
-                "rotation",
-                "the rotation is given twice, by `rpy` and by `rotation`",
-            )
-            .help("keep one of them"));
-        }
-        for (i, a) in rotation.iter().enumerate() {
-            for (j, b) in rotation.iter().enumerate() {
-                let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-                let expected = if i == j { 1.0 } else { 0.0 };
-                // A NaN is refused, too.
-                if (product - expected).abs().partial_cmp(&ROUNDING) != Some(std::cmp::Ordering::Less) {
-                    return Err(ParamError::new(
-                        "rotation",
-                        format!(
-                            "rows {} and {} of `rotation` have the product {product}, not {expected}",
-                            i + 1,
-                            j + 1
-                        ),
-                    )
-                    .help(
-                        "the rows of a rotation matrix have length 1 and are perpendicular; or use `rpy`",
-                    ));
-                }
-            }
-        }
-        if determinant(rotation) < 0.0 {
-            return Err(ParamError::new("rotation", "`rotation` is a reflection: its determinant is -1")
-                .help("change the sign of one row"));
-        }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for Transform {
@@ -135,14 +122,14 @@ mod tests {
     fn every_rotation_by_angles_is_a_rotation_matrix() {
         let matrix = turned([0.3, -1.2, 2.5]).matrix();
         let by_matrix = Transform { translation: [1.0, 2.0, 3.0], rpy: [0.0; 3], rotation: Some(matrix) };
-        assert_eq!(by_matrix.check(), Ok(()));
+        assert_eq!(by_matrix.errors()[..], []);
         assert_eq!(by_matrix.matrix(), matrix);
     }
 
     #[test]
     fn reflections_skewed_and_doubled_rotations_are_refused() {
         let with = |rotation| Transform { rotation: Some(rotation), ..turned([0.0; 3]) };
-        let refused = |transform: Transform| assert_eq!(transform.check().unwrap_err().param, "rotation");
+        let refused = |transform: Transform| assert!(transform.errors()[0].param.starts_with("rotation"));
         refused(with([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]));
         refused(with([[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
         refused(with([[f64::NAN, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));

@@ -18,12 +18,6 @@ use super::vector::{acceleration_seen, angular_acceleration_seen, dot, sub, to_f
 #[block(category = "Multibody", symbol = Sensor("T"))]
 pub struct TransformSensor;
 
-impl Block for TransformSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for TransformSensor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{direction, spring, spring_energy, unit, vector_input, vector_output};
+use super::axis::{spring, spring_energy, unit, vector_input, vector_output};
 
 /// A universal (Cardan) joint: `follower` turns about an axis of `base`, then about a second axis that turns with
 /// the first.
@@ -15,38 +15,23 @@ use super::axis::{direction, spring, spring_energy, unit, vector_input, vector_o
 #[block(category = "Multibody", symbol = Universal)]
 pub struct UniversalJoint {
     /// Direction of the first axis in `base`.
-    #[block(default = [1.0, 0.0, 0.0])]
+    #[block(direction, default = [1.0, 0.0, 0.0])]
     pub first: [f64; 3],
     /// Direction of the second axis in the frame that the first has turned.
-    #[block(default = [0.0, 1.0, 0.0])]
+    #[block(direction, default = [0.0, 1.0, 0.0])]
     pub second: [f64; 3],
     /// Both angles at the start. Where none are given they are zero, or in a closed loop what closes it.
-    #[block(unit = "rad", default = None)]
+    #[block(unit = "rad", finite, default = None)]
     pub position: Option<[f64; 2]>,
     /// Both speeds at the start.
-    #[block(unit = "rad/s", default = None)]
+    #[block(unit = "rad/s", finite, default = None)]
     pub velocity: Option<[f64; 2]>,
     /// Stiffness of a spring about each axis.
-    #[block(unit = "N*m/rad", default = 0.0)]
+    #[block(unit = "N*m/rad", not_negative, default = 0.0)]
     pub stiffness: f64,
     /// Coefficient of a damper about each axis.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub damping: f64,
-}
-
-impl Block for UniversalJoint {
-    fn check(&self) -> Result<(), ParamError> {
-        direction("first", self.first)?;
-        direction("second", self.second)?;
-        self.position.iter().flatten().try_for_each(|x| finite("position", *x))?;
-        self.velocity.iter().flatten().try_for_each(|x| finite("velocity", *x))?;
-        not_negative("stiffness", self.stiffness)?;
-        not_negative("damping", self.damping)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for UniversalJoint {

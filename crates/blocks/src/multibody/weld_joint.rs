@@ -13,12 +13,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Multibody", symbol = Weld)]
 pub struct WeldJoint;
 
-impl Block for WeldJoint {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for WeldJoint {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -10,18 +10,8 @@ use blocksim_block::prelude::*;
 #[block(category = "Multibody", symbol = World)]
 pub struct World {
     /// Gravitational acceleration in the axes of the world; standard gravity along -z unless given.
-    #[block(unit = "m/s^2", default = [0.0, 0.0, -9.80665])]
+    #[block(unit = "m/s^2", finite, default = [0.0, 0.0, -9.80665])]
     pub gravity: [f64; 3],
-}
-
-impl Block for World {
-    fn check(&self) -> Result<(), ParamError> {
-        self.gravity.iter().try_for_each(|g| finite("gravity", *g))
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for World {

@@ -30,10 +30,15 @@ pub struct EnergyAccount {
     #[block(default = Joins::Rotational)]
     pub at: Joins,
     /// Largest error that is allowed, relative to the energy turned over; `None` allows any.
-    #[block(default = Some(1e-3))]
+    #[block(not_negative, default = Some(1e-3))]
     pub tolerance: Option<f64>,
     /// Energy that counts as turned over at least: what is far below it is not judged.
-    #[block(unit = "J", default = 1e-3)]
+    #[block(
+        unit = "J",
+        positive,
+        default = 1e-3,
+        remedy = "a small part of the energies of the network, such as \"1 mJ\""
+    )]
     pub floor: f64,
 }
 
@@ -71,18 +76,6 @@ impl From<Joins> for Domain {
     }
 }
 
-impl Block for EnergyAccount {
-    fn check(&self) -> Result<(), ParamError> {
-        self.tolerance.map_or(Ok(()), |tolerance| not_negative("tolerance", tolerance))?;
-        positive("floor", self.floor)
-            .map_err(|error| error.help("a small part of the energies of the network, such as \"1 mJ\""))
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for EnergyAccount {
     fn part(&self, _given: &Given) -> Part {
         Part::new()
@@ -114,11 +107,8 @@ mod tests {
     #[test]
     fn tolerances_below_zero_and_floors_of_zero_are_refused() {
         let account = EnergyAccount { at: Joins::Frame, tolerance: None, floor: 1e-3 };
-        assert_eq!(account.check(), Ok(()));
-        assert_eq!(
-            EnergyAccount { tolerance: Some(-1.0), ..account.clone() }.check().unwrap_err().param,
-            "tolerance"
-        );
-        assert_eq!(EnergyAccount { floor: 0.0, ..account }.check().unwrap_err().param, "floor");
+        assert_eq!(account.errors()[..], []);
+        assert_eq!(EnergyAccount { tolerance: Some(-1.0), ..account.clone() }.errors()[0].param, "tolerance");
+        assert_eq!(EnergyAccount { floor: 0.0, ..account }.errors()[0].param, "floor");
     }
 }

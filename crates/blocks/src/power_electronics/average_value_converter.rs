@@ -21,21 +21,11 @@ use blocksim_block::prelude::*;
 #[block(category = "Power electronics", symbol = Converter("=","="))]
 pub struct AverageValueConverter {
     /// Resistance of a conducting switch.
-    #[block(unit = "Ohm", default = 0.0)]
+    #[block(unit = "Ohm", not_negative, default = 0.0)]
     pub r_on: f64,
 }
 
 const LEGS: usize = 3;
-
-impl Block for AverageValueConverter {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("r_on", self.r_on)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
 
 impl Component for AverageValueConverter {
     fn part(&self, _given: &Given) -> Part {
@@ -88,6 +78,6 @@ mod tests {
         AverageValueConverter { r_on: 0.0 }.ratios(&Law { u: &u, inputs: &[(0, 3)], ..law() }, &mut ratio);
         assert_eq!(ratio[..2], [0.3, 1.0]);
         assert!(ratio[2].is_nan());
-        assert_eq!(AverageValueConverter { r_on: -1.0 }.check().unwrap_err().param, "r_on");
+        assert_eq!(AverageValueConverter { r_on: -1.0 }.errors()[0].param, "r_on");
     }
 }

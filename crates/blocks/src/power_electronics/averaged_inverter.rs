@@ -27,7 +27,7 @@ use crate::three_phase::three_phase_source::delivered;
 #[block(category = "Power electronics", symbol = Converter("=","~"))]
 pub struct AveragedInverter {
     /// Voltage of the DC link.
-    #[block(unit = "V")]
+    #[block(unit = "V", not_negative)]
     pub vdc: f64,
     /// `Sine` or `SpaceVector`, or any other law of `PwmGenerator`.
     #[block(default = Modulation::Sine)]
@@ -47,16 +47,6 @@ impl AveragedInverter {
     /// Largest peak phase voltage, V.
     pub fn limit(&self) -> f64 {
         self.modulation.limit(self.vdc)
-    }
-}
-
-impl Block for AveragedInverter {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("vdc", self.vdc)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 

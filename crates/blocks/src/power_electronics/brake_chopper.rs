@@ -15,26 +15,14 @@ use super::valve::Valve;
 #[block(category = "Power electronics", symbol = Transistor)]
 pub struct BrakeChopper {
     /// Resistance, positive.
-    #[block(unit = "Ohm")]
+    #[block(unit = "Ohm", positive, remedy = "without resistance it would short-circuit the link")]
     pub r: f64,
     /// Resistance of the transistor while it conducts.
-    #[block(unit = "Ohm", default = 0.01)]
+    #[block(unit = "Ohm", not_negative, default = 0.01)]
     pub r_on: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
     pub heat_port: bool,
-}
-
-impl Block for BrakeChopper {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("r", self.r)
-            .map_err(|error| error.help("without resistance it would short-circuit the link"))?;
-        not_negative("r_on", self.r_on)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for BrakeChopper {

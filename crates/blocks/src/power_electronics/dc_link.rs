@@ -1,8 +1,6 @@
 use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
-use crate::multibody::axis::finite_start;
-
 /// Capacitor of a DC link, with the resistance in series to it.
 ///
 /// $$ C \frac{dv}{dt} = i, \qquad v_p - v_n = v + R i $$
@@ -17,26 +15,14 @@ use crate::multibody::axis::finite_start;
 #[block(category = "Power electronics", symbol = Capacitor)]
 pub struct DcLink {
     /// Capacitance, positive.
-    #[block(unit = "F")]
+    #[block(unit = "F", positive)]
     pub c: f64,
     /// Resistance in series.
-    #[block(unit = "Ohm", default = 0.0)]
+    #[block(unit = "Ohm", not_negative, default = 0.0)]
     pub r: f64,
     /// Voltage at the start. Where none is given it follows from ideal voltages around it, else zero.
-    #[block(unit = "V", default = None)]
+    #[block(unit = "V", finite, default = None)]
     pub v0: Option<f64>,
-}
-
-impl Block for DcLink {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("c", self.c)?;
-        not_negative("r", self.r)?;
-        finite_start("v0", self.v0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for DcLink {

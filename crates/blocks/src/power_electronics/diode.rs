@@ -19,16 +19,6 @@ pub struct Diode {
     pub valve: Valve,
 }
 
-impl Block for Diode {
-    fn check(&self) -> Result<(), ParamError> {
-        self.valve.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for Diode {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

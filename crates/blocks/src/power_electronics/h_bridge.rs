@@ -22,16 +22,6 @@ pub struct HBridge {
     pub valve: Valve,
 }
 
-impl Block for HBridge {
-    fn check(&self) -> Result<(), ParamError> {
-        self.valve.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for HBridge {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new()

@@ -15,10 +15,10 @@ use super::valve::Valve;
 #[block(category = "Power electronics", symbol = Contact)]
 pub struct IdealSwitch {
     /// Resistance while closed; zero is an ideal contact.
-    #[block(unit = "Ohm", default = 0.01)]
+    #[block(unit = "Ohm", not_negative, default = 0.01)]
     pub r_on: f64,
     /// Conductance while open; zero cuts the branch.
-    #[block(unit = "S", default = 0.0)]
+    #[block(unit = "S", not_negative, default = 0.0)]
     pub g_off: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
@@ -29,15 +29,9 @@ impl IdealSwitch {
     fn valve(&self) -> Valve {
         Valve { r_on: self.r_on, v_f: 0.0, g_off: self.g_off, heat_port: self.heat_port }
     }
-}
 
-impl Block for IdealSwitch {
-    fn check(&self) -> Result<(), ParamError> {
-        self.valve().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.valve().validate(errors);
     }
 }
 

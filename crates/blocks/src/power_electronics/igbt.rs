@@ -20,16 +20,6 @@ pub struct Igbt {
     pub valve: Valve,
 }
 
-impl Block for Igbt {
-    fn check(&self) -> Result<(), ParamError> {
-        self.valve.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for Igbt {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new().pins().input(Input::boolean("gate").scalar().doc("turns the transistor on"));

@@ -19,16 +19,6 @@ pub struct Mosfet {
     pub valve: Valve,
 }
 
-impl Block for Mosfet {
-    fn check(&self) -> Result<(), ParamError> {
-        self.valve.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for Mosfet {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new().pins().input(Input::boolean("gate").scalar().doc("turns the transistor on"));

@@ -22,16 +22,6 @@ pub struct RectifierBridge {
     pub valve: Valve,
 }
 
-impl Block for RectifierBridge {
-    fn check(&self) -> Result<(), ParamError> {
-        self.valve.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for RectifierBridge {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new().pins().port("ac", Domain::ThreePhase, "phases a, b, c");

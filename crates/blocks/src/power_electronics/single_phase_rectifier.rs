@@ -18,16 +18,6 @@ pub struct SinglePhaseRectifier {
     pub valve: Valve,
 }
 
-impl Block for SinglePhaseRectifier {
-    fn check(&self) -> Result<(), ParamError> {
-        self.valve.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for SinglePhaseRectifier {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new().pins().port("a", Domain::Electrical, "one AC pin").port(

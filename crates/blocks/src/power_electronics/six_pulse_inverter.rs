@@ -26,16 +26,6 @@ pub struct SixPulseInverter {
     pub valve: Valve,
 }
 
-impl Block for SixPulseInverter {
-    fn check(&self) -> Result<(), ParamError> {
-        self.valve.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for SixPulseInverter {
     fn part(&self, _given: &Given) -> Part {
         let gates = Input::boolean("gates").shape(Shape::Vector(6)).doc("a+, a-, b+, b-, c+, c-");

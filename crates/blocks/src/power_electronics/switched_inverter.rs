@@ -37,10 +37,10 @@ use crate::machines::space_vector::turned;
 #[block(category = "Power electronics", symbol = Converter("=","~"))]
 pub struct SwitchedInverter {
     /// Voltage of the DC link.
-    #[block(unit = "V")]
+    #[block(unit = "V", positive)]
     pub vdc: f64,
     /// Frequency of the carrier.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", positive)]
     pub switching_frequency: f64,
     /// `Sine` or `SpaceVector`, or any other law of `PwmGenerator`.
     #[block(default = Modulation::Sine)]
@@ -122,21 +122,13 @@ impl SwitchedInverter {
     fn pole(&self, c: &Law, leg: usize) -> f64 {
         if Modulator::is_high(c.d, leg) { self.vdc } else { 0.0 }
     }
-}
 
-impl Block for SwitchedInverter {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("vdc", self.vdc)?;
-        positive("switching_frequency", self.switching_frequency)?;
+    fn validate(&self, errors: &mut ParamErrors) {
         if self.integration == (Integration::Separate { periods: 0 }) {
-            return Err(ParamError::new("integration", "`periods` is 0, but a coupling step takes time")
-                .help("write `Separate(periods: 1)`"));
+            let error =
+                ParamError::new("integration.periods", "`periods` is 0, but a coupling step takes time");
+            errors.add(error.help("write `Separate(periods: 1)`"));
         }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -313,11 +305,11 @@ mod tests {
 
     #[test]
     fn parameters_without_meaning_are_refused() {
-        let refused = |inverter: SwitchedInverter| inverter.check().unwrap_err().param;
+        let refused = |inverter: SwitchedInverter| inverter.errors()[0].param.clone();
         assert_eq!(refused(SwitchedInverter { vdc: 0.0, ..INVERTER }), "vdc");
         assert_eq!(refused(SwitchedInverter { switching_frequency: 0.0, ..INVERTER }), "switching_frequency");
         let integration = Integration::Separate { periods: 0 };
-        assert_eq!(refused(SwitchedInverter { integration, ..INVERTER }), "integration");
-        assert_eq!(INVERTER.check(), Ok(()));
+        assert_eq!(refused(SwitchedInverter { integration, ..INVERTER }), "integration.periods");
+        assert_eq!(INVERTER.errors()[..], []);
     }
 }

@@ -19,16 +19,6 @@ pub struct Thyristor {
     pub valve: Valve,
 }
 
-impl Block for Thyristor {
-    fn check(&self) -> Result<(), ParamError> {
-        self.valve.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for Thyristor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -7,13 +7,13 @@ use blocksim_block::prelude::*;
 #[derive(Debug, Clone, Copy, PartialEq, Parameters)]
 pub struct Valve {
     /// Forward voltage of a diode, a thyristor or an `Igbt`; a conducting `Mosfet` or `Contact` has none.
-    #[block(unit = "V", default = 0.6)]
+    #[block(unit = "V", not_negative, default = 0.6)]
     pub v_f: f64,
     /// Resistance while it conducts.
-    #[block(unit = "Ohm", default = 0.01)]
+    #[block(unit = "Ohm", not_negative, default = 0.01)]
     pub r_on: f64,
     /// Conductance while it blocks, that of a diode in parallel included.
-    #[block(unit = "S", default = 0.0)]
+    #[block(unit = "S", not_negative, default = 0.0)]
     pub g_off: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
@@ -22,19 +22,15 @@ pub struct Valve {
 
 impl Valve {
     /// Refuses what no valve has. Errors name the parameters as all blocks call them.
-    pub(crate) fn check(&self) -> Result<(), ParamError> {
-        not_negative("r_on", self.r_on)?;
-        not_negative("v_f", self.v_f)?;
-        not_negative("g_off", self.g_off)?;
+    pub(crate) fn validate(&self, errors: &mut ParamErrors) {
         if self.r_on * self.g_off >= 1.0 {
             let message = format!(
                 "`g_off` ({} S) lets as much through as `r_on` ({} ohm): on and off are the same",
                 self.g_off, self.r_on
             );
-            return Err(ParamError::new("g_off", message)
-                .help("a conductance is one over a resistance: 1e-6 S is 1 Mohm"));
+            let error = ParamError::new("g_off", message).beside(&["r_on"]);
+            errors.add(error.help("a conductance is one over a resistance: 1e-6 S is 1 Mohm"));
         }
-        Ok(())
     }
 
     /// An element that conducts from `p` to `n`.
@@ -95,10 +91,10 @@ mod tests {
     #[test]
     fn a_valve_is_better_on_than_off() {
         let good = Valve { r_on: 0.01, v_f: 0.6, g_off: 1e-6, heat_port: false };
-        assert_eq!(good.check(), Ok(()));
-        assert_eq!(Valve { r_on: 0.0, v_f: 0.0, g_off: 0.0, ..good }.check(), Ok(()));
-        assert_eq!(Valve { g_off: 100.0, ..good }.check().unwrap_err().param, "g_off");
-        assert_eq!(Valve { r_on: -1.0, ..good }.check().unwrap_err().param, "r_on");
-        assert_eq!(Valve { v_f: f64::NAN, ..good }.check().unwrap_err().param, "v_f");
+        assert_eq!(good.errors()[..], []);
+        assert_eq!(Valve { r_on: 0.0, v_f: 0.0, g_off: 0.0, ..good }.errors()[..], []);
+        assert_eq!(Valve { g_off: 100.0, ..good }.errors()[0].param, "g_off");
+        assert_eq!(Valve { r_on: -1.0, ..good }.errors()[0].param, "r_on");
+        assert_eq!(Valve { v_f: f64::NAN, ..good }.errors()[0].param, "v_f");
     }
 }

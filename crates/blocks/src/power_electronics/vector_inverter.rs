@@ -30,7 +30,11 @@ use crate::three_phase::three_phase_source::delivered;
 #[block(category = "Power electronics", symbol = Converter("=","~"))]
 pub struct VectorInverter {
     /// Voltage of the DC link.
-    #[block(unit = "V")]
+    #[block(
+        unit = "V",
+        not_negative,
+        remedy = "a rectifier at 400 V gives 540 to 565 V, a battery its own voltage"
+    )]
     pub vdc: f64,
     /// `Sine` or `SpaceVector`, or any other law of `PwmGenerator`.
     #[block(default = Modulation::Sine)]
@@ -46,17 +50,6 @@ impl VectorInverter {
     /// Largest peak phase voltage, V.
     pub fn limit(&self) -> f64 {
         self.modulation.limit(self.vdc)
-    }
-}
-
-impl Block for VectorInverter {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("vdc", self.vdc)
-            .map_err(|error| error.help("a rectifier at 400 V gives 540 to 565 V, a battery its own voltage"))
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -133,6 +126,6 @@ mod tests {
     fn no_voltage_has_no_direction_and_needs_none() {
         let supply = INVERTER.supply(&Law { x: &[0.0], u: &[0.0; 4], ..law() });
         assert_eq!(supply.voltage, [0.0, 0.0]);
-        assert_eq!(VectorInverter { vdc: -1.0, ..INVERTER }.check().unwrap_err().param, "vdc");
+        assert_eq!(VectorInverter { vdc: -1.0, ..INVERTER }.errors()[0].param, "vdc");
     }
 }

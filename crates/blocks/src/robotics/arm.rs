@@ -1,5 +1,8 @@
 //! What the blocks of a robot have in common.
 
+use std::any::Any;
+use std::fmt::Debug;
+
 use blocksim_block::prelude::*;
 use blocksim_motion::AxisKind;
 use blocksim_multibody::Frame;
@@ -8,36 +11,47 @@ use blocksim_signal::Unit;
 
 use super::RobotDescription;
 
-/// The robot of a block, once it is loaded.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Arm(Option<Robot>);
+/// What a kind computes about the mechanism of the robot that it describes.
+pub trait Arm: Any + Debug + Send + Sync + Sized {
+    /// The parameter `robot`.
+    fn description(&self) -> &RobotDescription;
 
-impl Arm {
-    /// A description that makes no robot is reported by [`Arm::check`].
-    pub(super) fn of(description: &RobotDescription) -> Self {
-        Arm(description.robot("robot").ok())
-    }
-
-    pub(super) fn check(description: &RobotDescription) -> Result<(), ParamError> {
-        description.robot("robot").map(drop)
-    }
-
-    /// The robot, once it is loaded.
-    pub(super) fn loaded(&self) -> Option<&Robot> {
-        self.0.as_ref()
-    }
-
-    /// The robot; without one the simulation stops.
-    pub(super) fn robot(&self, c: &Context) -> Option<&Robot> {
-        if self.0.is_none() {
-            c.fail("the robot was not assembled");
-        }
-        self.0.as_ref()
-    }
+    /// Inputs and outputs.
+    fn ports(&self, robot: &Robot) -> Interface;
 
     /// A workspace of the mechanism.
-    pub(super) fn scratch(&self) -> Scratch {
-        self.0.as_ref().map(|robot| Scratch::new(robot.model().data())).unwrap_or_default()
+    fn workspace(&self, robot: &Robot) -> Scratch {
+        Scratch::new(robot.model().data())
+    }
+
+    /// The outputs for the inputs of `c`.
+    fn compute(&self, robot: &Robot, c: &Context, w: &mut Scratch, y: &mut [f64]);
+
+    /// The block with its robot assembled, if the description makes one.
+    fn build(self, errors: &mut ParamErrors) -> Option<OfArm<Self>> {
+        let robot = errors.take(self.description().robot("robot"))?;
+        Some(OfArm { kind: self, robot })
+    }
+}
+
+/// A block about the mechanism of a robot.
+#[derive(Debug)]
+pub struct OfArm<K> {
+    pub(super) kind: K,
+    pub(super) robot: Robot,
+}
+
+impl<K: Arm> Block for OfArm<K> {
+    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+        Ok(self.kind.ports(&self.robot))
+    }
+
+    fn scratch(&self) -> Scratch {
+        self.kind.workspace(&self.robot)
+    }
+
+    fn outputs(&self, _group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        self.kind.compute(&self.robot, c, w, y);
     }
 }
 

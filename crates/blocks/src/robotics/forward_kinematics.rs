@@ -3,7 +3,7 @@ use blocksim_multibody::{Data, Frame};
 use blocksim_robot::Robot;
 
 use super::RobotDescription;
-use super::arm::{Arm, End, OfAxes};
+use super::arm::{Arm, End, OfArm, OfAxes};
 use super::pose::{Pose, pose_outputs};
 
 /// Where the tool of a robot is at given joint positions, in the reference frame of the robot.
@@ -23,41 +23,29 @@ use super::pose::{Pose, pose_outputs};
 /// ))
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics", symbol = Arm("T(q)"))]
+#[block(category = "Robotics", symbol = Arm("T(q)"), builds = OfArm<ForwardKinematics>)]
 pub struct ForwardKinematics {
     /// The robot: links with axes and limits, frames and tool.
     pub robot: RobotDescription,
     /// The frame: `Tool` or `Flange`.
     #[block(default = End::Tool)]
     pub end: End,
-    /// The assembled robot; made by `load`.
-    #[block(skip)]
-    arm: Arm,
 }
 
-impl Block for ForwardKinematics {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
-        self.arm = Arm::of(&self.robot);
-        Ok(())
+impl Arm for ForwardKinematics {
+    fn description(&self) -> &RobotDescription {
+        &self.robot
     }
 
-    fn check(&self) -> Result<(), ParamError> {
-        Arm::check(&self.robot)
-    }
-
-    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+    fn ports(&self, _robot: &Robot) -> Interface {
         let q = OfAxes::Position.input(&self.robot, "q", "positions of the joints");
         let interface = Interface::new().input(q);
         let interface = pose_outputs("origin of the frame").into_iter().fold(interface, Interface::output);
-        Ok(interface.output(Output::real("r").shape(Shape::Matrix(3, 3)).unit("1").doc("rotation matrix")))
+        interface.output(Output::real("r").shape(Shape::Matrix(3, 3)).unit("1").doc("rotation matrix"))
     }
 
-    fn scratch(&self) -> Scratch {
-        self.arm.scratch()
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
-        let (Some(robot), Some(data)) = (self.arm.robot(c), w.get::<Data>()) else { return };
+    fn compute(&self, robot: &Robot, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        let Some(data) = w.get::<Data>() else { return };
         let placement = place(robot, data, self.end.of(robot), c.input(0));
         Pose::of(&placement).write(&mut y[..Pose::LEN]);
         // Signals hold matrices row by row.

@@ -1,8 +1,9 @@
 use blocksim_block::prelude::*;
 use blocksim_multibody::Data;
+use blocksim_robot::Robot;
 
 use super::RobotDescription;
-use super::arm::{Arm, OfAxes};
+use super::arm::{Arm, OfArm, OfAxes};
 
 /// Torques that hold a robot at rest against gravity: $\tau = g(q)$.
 ///
@@ -19,41 +20,25 @@ use super::arm::{Arm, OfAxes};
 /// ))
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics", symbol = Arm("g(q)"))]
+#[block(category = "Robotics", symbol = Arm("g(q)"), builds = OfArm<GravityCompensation>)]
 pub struct GravityCompensation {
     /// The robot: links with axes and bodies.
     pub robot: RobotDescription,
-    /// The assembled robot; made by `load`.
-    #[block(skip)]
-    arm: Arm,
 }
 
-impl Block for GravityCompensation {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
-        self.arm = Arm::of(&self.robot);
-        Ok(())
+impl Arm for GravityCompensation {
+    fn description(&self) -> &RobotDescription {
+        &self.robot
     }
 
-    fn check(&self) -> Result<(), ParamError> {
-        Arm::check(&self.robot)
+    fn ports(&self, _robot: &Robot) -> Interface {
+        Interface::new().input(OfAxes::Position.input(&self.robot, "q", "positions of the joints")).output(
+            OfAxes::Force.output(&self.robot, "tau", "torques at the joints, forces where they slide"),
+        )
     }
 
-    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
-        Ok(Interface::new()
-            .input(OfAxes::Position.input(&self.robot, "q", "positions of the joints"))
-            .output(OfAxes::Force.output(
-                &self.robot,
-                "tau",
-                "torques at the joints, forces where they slide",
-            )))
-    }
-
-    fn scratch(&self) -> Scratch {
-        self.arm.scratch()
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
-        let (Some(robot), Some(data)) = (self.arm.robot(c), w.get::<Data>()) else { return };
+    fn compute(&self, robot: &Robot, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        let Some(data) = w.get::<Data>() else { return };
         robot.gravity_torques(data, c.input(0), y);
     }
 }

@@ -1,8 +1,9 @@
 use blocksim_block::prelude::*;
 use blocksim_multibody::Data;
+use blocksim_robot::Robot;
 
 use super::RobotDescription;
-use super::arm::{Arm, OfAxes};
+use super::arm::{Arm, OfArm, OfAxes};
 
 /// Torques that a robot needs for a motion (inverse dynamics, computed torque).
 ///
@@ -27,30 +28,22 @@ use super::arm::{Arm, OfAxes};
 ///
 /// Source: R. Featherstone, Rigid Body Dynamics Algorithms, 2008, table 5.1.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics", symbol = Arm("M q̈ + h"))]
+#[block(category = "Robotics", symbol = Arm("M q̈ + h"), builds = OfArm<InverseDynamics>)]
 pub struct InverseDynamics {
     /// The robot: links with axes, bodies and drives.
     pub robot: RobotDescription,
     /// Whether motors must also turn their drives.
     #[block(default = false)]
     pub drives: bool,
-    /// The assembled robot; made by `load`.
-    #[block(skip)]
-    arm: Arm,
 }
 
-impl Block for InverseDynamics {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
-        self.arm = Arm::of(&self.robot);
-        Ok(())
+impl Arm for InverseDynamics {
+    fn description(&self) -> &RobotDescription {
+        &self.robot
     }
 
-    fn check(&self) -> Result<(), ParamError> {
-        Arm::check(&self.robot)
-    }
-
-    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
-        Ok(Interface::new()
+    fn ports(&self, _robot: &Robot) -> Interface {
+        Interface::new()
             .input(OfAxes::Position.input(&self.robot, "q", "positions of the joints"))
             .input(OfAxes::Speed.input(&self.robot, "qd", "their speeds"))
             .input(OfAxes::Acceleration.input(&self.robot, "qdd", "their accelerations"))
@@ -58,15 +51,11 @@ impl Block for InverseDynamics {
                 &self.robot,
                 "tau",
                 "torques at the joints, forces where they slide",
-            )))
+            ))
     }
 
-    fn scratch(&self) -> Scratch {
-        self.arm.scratch()
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
-        let (Some(robot), Some(data)) = (self.arm.robot(c), w.get::<Data>()) else { return };
+    fn compute(&self, robot: &Robot, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        let Some(data) = w.get::<Data>() else { return };
         match self.drives {
             true => robot.motor_torques(data, c.input(0), c.input(1), c.input(2), y),
             false => robot.joint_torques(data, c.input(0), c.input(1), c.input(2), y),

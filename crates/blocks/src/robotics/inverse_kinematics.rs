@@ -6,7 +6,7 @@ use blocksim_multibody::{EulerZyx, Model, Placement};
 use blocksim_robot::Robot;
 
 use super::RobotDescription;
-use super::arm::{Arm, OfAxes};
+use super::arm::{Arm, OfArm, OfAxes};
 
 /// Joint positions that bring the tool of a robot to a point with an orientation, both in its reference frame.
 ///
@@ -46,7 +46,7 @@ use super::arm::{Arm, OfAxes};
 /// Source: M. Brandstötter, A. Angerer, M. Hofbaur, An analytical solution of the inverse kinematics problem of
 /// industrial serial manipulators with an ortho-parallel basis and a spherical wrist, 2014.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics", symbol = Arm("q(T)"))]
+#[block(category = "Robotics", symbol = Arm("q(T)"), builds = OfArm<InverseKinematics>)]
 pub struct InverseKinematics {
     /// The robot: links with axes and limits, frames and tool.
     pub robot: RobotDescription,
@@ -59,9 +59,6 @@ pub struct InverseKinematics {
     /// `Plain`: axis 5 bent to its positive side; `Flipped`: to the other; either unless given.
     #[block(default = None)]
     pub wrist: Option<WristName>,
-    /// The assembled robot; made by `load`.
-    #[block(skip)]
-    arm: Arm,
 }
 
 /// On which side of axis 1 the wrist is.
@@ -119,13 +116,6 @@ fn numbers(configuration: &Configuration) -> [f64; 3] {
 }
 
 impl InverseKinematics {
-    fn is_closed(&self) -> bool {
-        match self.arm.loaded() {
-            Some(robot) => robot.closed_form().is_some(),
-            None => self.robot.robot("robot").is_ok_and(|robot| robot.closed_form().is_some()),
-        }
-    }
-
     /// What the parameters ask for; 0 for either.
     fn wish(&self) -> [f64; 3] {
         let sign = |wish: Option<bool>| wish.map_or(0.0, |positive| if positive { 1.0 } else { -1.0 });
@@ -137,27 +127,27 @@ impl InverseKinematics {
     }
 }
 
-impl Block for InverseKinematics {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
-        self.arm = Arm::of(&self.robot);
-        Ok(())
-    }
-
-    fn check(&self) -> Result<(), ParamError> {
-        Arm::check(&self.robot)?;
-        let asked =
-            ["shoulder", "elbow", "wrist"].into_iter().zip(self.wish()).find(|(_, wish)| *wish != 0.0);
-        match asked {
-            Some((param, _)) if !self.is_closed() => Err(ParamError::new(
-                param,
-                "this arm has no closed form, so its solutions have no configurations",
-            )
-            .help("leave it out; the solution is the one to which `near` leads")),
-            _ => Ok(()),
+impl InverseKinematics {
+    fn build(self, errors: &mut ParamErrors) -> Option<OfArm<Self>> {
+        let built = Arm::build(self, errors)?;
+        if built.robot.closed_form().is_none() {
+            let wishes = ["shoulder", "elbow", "wrist"].into_iter().zip(built.kind.wish());
+            for (param, _) in wishes.filter(|(_, wish)| *wish != 0.0) {
+                let message = "this arm has no closed form, so its solutions have no configurations";
+                let help = "leave it out; the solution is the one to which `near` leads";
+                errors.add(ParamError::new(param, message).help(help));
+            }
         }
+        Some(built)
+    }
+}
+
+impl Arm for InverseKinematics {
+    fn description(&self) -> &RobotDescription {
+        &self.robot
     }
 
-    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+    fn ports(&self, robot: &Robot) -> Interface {
         let vector =
             |name: &str, unit: &str, doc| Input::real(name).shape(Shape::Vector(3)).unit(unit).doc(doc);
         let status = PortType { kind: Kind::Int, ..PortType::scalar() };
@@ -168,17 +158,16 @@ impl Block for InverseKinematics {
             .output(OfAxes::Position.output(&self.robot, "q", "positions of the joints"))
             .output(Output::boolean("solved").doc("whether the tool gets there"))
             .output(Output::like("status", status).doc("0, or why it does not"));
-        if self.is_closed() {
+        if robot.closed_form().is_some() {
             let doc = "shoulder, elbow, wrist: 1 or -1, 0 where there is no solution";
             interface = interface
                 .input(vector("wish", "1", "configuration: 1 or -1, 0 for either").default(0.0))
                 .output(Output::real("configuration").shape(Shape::Vector(3)).unit("1").doc(doc));
         }
-        Ok(interface)
+        interface
     }
 
-    fn scratch(&self) -> Scratch {
-        let Some(robot) = self.arm.loaded() else { return Scratch::default() };
+    fn workspace(&self, robot: &Robot) -> Scratch {
         let ranges = robot.ranges();
         let six = ranges.as_slice().try_into().ok().filter(|_| robot.closed_form().is_some());
         match six {
@@ -188,8 +177,8 @@ impl Block for InverseKinematics {
         }
     }
 
-    fn outputs(&self, _group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
-        let (Some(robot), Some(work)) = (self.arm.robot(c), w.get::<Work>()) else { return };
+    fn compute(&self, robot: &Robot, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        let Some(work) = w.get::<Work>() else { return };
         let (p, zyx, near) = (c.input(0), c.input(1), c.input(2));
         let rotation = EulerZyx { alpha: zyx[0], beta: zyx[1], gamma: zyx[2] }.rotation();
         let target = Placement { rotation, translation: nalgebra::Vector3::new(p[0], p[1], p[2]) };

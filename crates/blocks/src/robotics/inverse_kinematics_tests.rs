@@ -55,13 +55,12 @@ fn six(range: f64) -> InverseKinematics {
 }
 
 fn block(robot: RobotDescription) -> InverseKinematics {
-    let arm = Arm::of(&robot);
-    InverseKinematics { robot, shoulder: None, elbow: None, wrist: None, arm }
+    InverseKinematics { robot, shoulder: None, elbow: None, wrist: None }
 }
 
 /// Where the tool is at `q`: position and Euler angles.
 fn place(block: &InverseKinematics, q: &[f64]) -> ([f64; 3], [f64; 3]) {
-    let robot = block.arm.loaded().expect("a robot");
+    let robot = &block.clone().built().robot;
     let tool = robot.tcp(&mut robot.model().data(), q);
     let EulerZyx { alpha, beta, gamma } = EulerZyx::from_rotation(&tool.rotation);
     (tool.translation.into(), [alpha, beta, gamma])
@@ -134,5 +133,5 @@ fn an_arm_without_closed_form_is_led_there_and_has_no_configurations() {
     let y = bench.set(0, &[9.0, 0.0, 0.0]).major();
     assert_eq!((y[6], y[7]), (0.0, 4.0));
     let wrong = InverseKinematics { elbow: Some(ElbowName::Up), ..general };
-    assert_eq!(wrong.check().unwrap_err().param, "elbow");
+    assert_eq!(wrong.try_build().unwrap_err()[0].param, "elbow");
 }

@@ -1,8 +1,9 @@
 use blocksim_block::prelude::*;
 use blocksim_multibody::{Data, forward_kinematics, relative_jacobian};
+use blocksim_robot::Robot;
 
 use super::RobotDescription;
-use super::arm::{Arm, End, OfAxes};
+use super::arm::{Arm, End, OfArm, OfAxes};
 
 /// How the tool of a robot moves with its joints: $(\omega; v) = J \dot q$.
 ///
@@ -23,42 +24,30 @@ use super::arm::{Arm, End, OfAxes};
 /// ))
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Robotics", symbol = Arm("J(q)"))]
+#[block(category = "Robotics", symbol = Arm("J(q)"), builds = OfArm<Jacobian>)]
 pub struct Jacobian {
     /// The robot: links with axes and limits, frames and tool.
     pub robot: RobotDescription,
     /// The frame: `Tool` or `Flange`.
     #[block(default = End::Tool)]
     pub end: End,
-    /// The assembled robot; made by `load`.
-    #[block(skip)]
-    arm: Arm,
 }
 
-impl Block for Jacobian {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
-        self.arm = Arm::of(&self.robot);
-        Ok(())
+impl Arm for Jacobian {
+    fn description(&self) -> &RobotDescription {
+        &self.robot
     }
 
-    fn check(&self) -> Result<(), ParamError> {
-        Arm::check(&self.robot)
-    }
-
-    fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
+    fn ports(&self, _robot: &Robot) -> Interface {
         let joints = self.robot.links.len();
         let q = OfAxes::Position.input(&self.robot, "q", "positions of the joints");
-        Ok(Interface::new().input(q).output(
-            Output::real("j").shape(Shape::Matrix(6, joints)).doc("rows: angular velocity, velocity"),
-        ))
+        Interface::new()
+            .input(q)
+            .output(Output::real("j").shape(Shape::Matrix(6, joints)).doc("rows: angular velocity, velocity"))
     }
 
-    fn scratch(&self) -> Scratch {
-        self.arm.scratch()
-    }
-
-    fn outputs(&self, _group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
-        let (Some(robot), Some(data)) = (self.arm.robot(c), w.get::<Data>()) else { return };
+    fn compute(&self, robot: &Robot, c: &Context, w: &mut Scratch, y: &mut [f64]) {
+        let Some(data) = w.get::<Data>() else { return };
         forward_kinematics(robot.model(), data, c.input(0));
         relative_jacobian(robot.model(), data, &self.end.of(robot), &robot.reference(), y);
     }

@@ -6,7 +6,7 @@ use blocksim_multibody::Placement;
 use blocksim_scene::Form;
 
 use super::RobotDescription;
-use super::arm::{Arm, OfAxes};
+use super::arm::OfAxes;
 use crate::motion::limits::of_kinds;
 use crate::multibody::axis::{Inside, unit};
 use crate::multibody::joint_limit::JointLimit;
@@ -41,22 +41,22 @@ pub struct Robot {
     #[block(default = None)]
     pub position: Option<AxisPositions>,
     /// Stiffness of the ends of travel of axes that turn.
-    #[block(unit = "N*m/rad", default = 5.73e5)]
+    #[block(unit = "N*m/rad", not_negative, default = 5.73e5)]
     pub limit_stiffness: f64,
     /// Damping of the ends of travel of axes that turn.
-    #[block(unit = "N*m*s/rad", default = 573.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 573.0)]
     pub limit_damping: f64,
     /// Width over which the end of travel of an axis that turns sets in.
-    #[block(unit = "rad", default = 1.745e-3)]
+    #[block(unit = "rad", not_negative, default = 1.745e-3)]
     pub limit_transition: f64,
     /// Stiffness of the ends of travel of axes that slide.
-    #[block(unit = "N/m", default = 1e6)]
+    #[block(unit = "N/m", not_negative, default = 1e6)]
     pub slide_limit_stiffness: f64,
     /// Damping of the ends of travel of axes that slide.
-    #[block(unit = "N*s/m", default = 1e3)]
+    #[block(unit = "N*s/m", not_negative, default = 1e3)]
     pub slide_limit_damping: f64,
     /// Width over which the end of travel of an axis that slides sets in.
-    #[block(unit = "m", default = 1e-4)]
+    #[block(unit = "m", not_negative, default = 1e-4)]
     pub slide_limit_transition: f64,
 }
 
@@ -113,6 +113,33 @@ impl Robot {
     fn axes(&self) -> usize {
         self.robot.links.len()
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        errors.take(self.robot.robot("robot"));
+        let axes = self.axes();
+        if axes > MOST {
+            let error = ParamError::new("robot.links", format!("{axes} axes are more than {MOST}"));
+            errors.add(error.help("build the arm of Transform, Body and RevoluteJoint"));
+        }
+        if let Some(AxisPositions(position)) = &self.position {
+            if position.len() != axes {
+                let error =
+                    ParamError::new("position", format!("{} positions for {axes} axes", position.len()));
+                errors.add(error.beside(&["robot"]).help("give one for each axis"));
+            } else {
+                errors.take(of_kinds(position, &self.robot.kinds(), "position"));
+            }
+        }
+        if errors.are_right(&["robot", "position"]) {
+            for axis in 0..axes {
+                self.inside(axis).validate(
+                    Some(self.start(axis)),
+                    self.robot.links[axis].kind().si(),
+                    errors,
+                );
+            }
+        }
+    }
 }
 
 fn transform(base: usize, follower: usize, placement: &Placement) -> Element {
@@ -125,46 +152,16 @@ fn transform(base: usize, follower: usize, placement: &Placement) -> Element {
     }
 }
 
-impl Block for Robot {
-    fn load(&mut self, files: &dyn Files) -> Result<(), LoadError> {
+impl Component for Robot {
+    fn locate(&mut self, files: &dyn Files) {
         for shape in self.robot.shapes_mut() {
             if let Form::Mesh { file, .. } = &mut shape.form {
                 // Only who draws or measures it opens the file.
                 *file = files.folder().join(&*file).to_string_lossy().into_owned();
             }
         }
-        Ok(())
     }
 
-    fn check(&self) -> Result<(), ParamError> {
-        Arm::check(&self.robot)?;
-        let axes = self.axes();
-        if axes > MOST {
-            return Err(ParamError::new("robot.links", format!("{axes} axes are more than {MOST}"))
-                .help("build the arm of Transform, Body and RevoluteJoint"));
-        }
-        if let Some(AxisPositions(position)) = &self.position {
-            if position.len() != axes {
-                return Err(ParamError::new(
-                    "position",
-                    format!("{} positions for {axes} axes", position.len()),
-                )
-                .help("give one for each axis"));
-            }
-            of_kinds(position, &self.robot.kinds(), "position")?;
-        }
-        (0..axes).try_for_each(|axis| {
-            let unit = self.robot.links[axis].kind().si();
-            self.inside(axis).check(Some(self.start(axis)), unit)
-        })
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
-impl Component for Robot {
     fn part(&self, _given: &Given) -> Part {
         let axes = self.axes();
         let mut part = Part::new().port("base", Domain::Frame, "where the arm is mounted").port(

@@ -28,16 +28,6 @@ pub struct Brake {
     pub pressed: Pressed,
 }
 
-impl Block for Brake {
-    fn check(&self) -> Result<(), ParamError> {
-        self.pressed.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for Brake {
     fn part(&self, _given: &Given) -> Part {
         self.pressed.part("engaged", "how firmly it is applied: Bool, or a share 0 to 1")

@@ -28,16 +28,6 @@ pub struct Clutch {
     pub pressed: Pressed,
 }
 
-impl Block for Clutch {
-    fn check(&self) -> Result<(), ParamError> {
-        self.pressed.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for Clutch {
     fn part(&self, _given: &Given) -> Part {
         self.pressed.part("normal", "how hard the discs are pressed together: Bool, or a share 0 to 1")

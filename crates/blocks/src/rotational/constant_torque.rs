@@ -13,18 +13,8 @@ use crate::mechanics::quantities::{ROTATION, undamped};
 #[block(category = "Rotational", symbol = Torque)]
 pub struct ConstantTorque {
     /// Torque on `r`.
-    #[block(unit = "N*m")]
+    #[block(unit = "N*m", finite)]
     pub tau: f64,
-}
-
-impl Block for ConstantTorque {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("tau", self.tau)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for ConstantTorque {
@@ -57,6 +47,6 @@ mod tests {
 
     #[test]
     fn an_infinite_torque_is_refused() {
-        assert_eq!(ConstantTorque { tau: f64::INFINITY }.check().unwrap_err().param, "tau");
+        assert_eq!(ConstantTorque { tau: f64::INFINITY }.errors()[0].param, "tau");
     }
 }

@@ -22,10 +22,14 @@ use blocksim_block::prelude::*;
 #[block(category = "Rotational", symbol = Brake)]
 pub struct EddyCurrentBrake {
     /// Largest torque $\tau_k$; zero is allowed.
-    #[block(unit = "N*m")]
+    #[block(unit = "N*m", not_negative)]
     pub torque: f64,
     /// Critical speed $w_k$, positive.
-    #[block(unit = "rad/s")]
+    #[block(
+        unit = "rad/s",
+        positive,
+        remedy = "`speed` is where the torque has its maximum; the brake acts in both directions"
+    )]
     pub speed: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
@@ -38,19 +42,6 @@ impl EddyCurrentBrake {
         let s = w / self.speed;
         let (most, under) = (2.0 * self.torque * excitation * excitation, 1.0 + s * s);
         (most * s / under, most / self.speed * (1.0 - s * s) / (under * under))
-    }
-}
-
-impl Block for EddyCurrentBrake {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("torque", self.torque)?;
-        positive("speed", self.speed).map_err(|error| {
-            error.help("`speed` is where the torque has its maximum; the brake acts in both directions")
-        })
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -111,7 +102,7 @@ mod tests {
 
     #[test]
     fn a_critical_speed_of_zero_is_refused() {
-        assert!(EddyCurrentBrake { speed: 0.0, ..BRAKE }.check().unwrap_err().help.is_some());
-        assert_eq!(EddyCurrentBrake { torque: -1.0, ..BRAKE }.check().unwrap_err().param, "torque");
+        assert!(EddyCurrentBrake { speed: 0.0, ..BRAKE }.errors()[0].help.is_some());
+        assert_eq!(EddyCurrentBrake { torque: -1.0, ..BRAKE }.errors()[0].param, "torque");
     }
 }

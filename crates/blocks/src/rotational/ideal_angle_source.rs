@@ -20,10 +20,10 @@ use blocksim_block::prelude::*;
 #[block(category = "Rotational", symbol = MotionSource("φ"))]
 pub struct IdealAngleSource {
     /// Corner frequency of the filter.
-    #[block(unit = "Hz", default = 50.0)]
+    #[block(unit = "Hz", positive, default = 50.0)]
     pub f: f64,
     /// Angle at the start.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub phi0: f64,
 }
 
@@ -31,17 +31,6 @@ impl IdealAngleSource {
     fn acceleration(&self, c: &Law) -> f64 {
         let omega = TAU * self.f;
         omega * (omega * (c.scalar(0) - c.x[0]) - 2.0 * c.x[1])
-    }
-}
-
-impl Block for IdealAngleSource {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("phi0", self.phi0)?;
-        positive("f", self.f)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -87,6 +76,6 @@ mod tests {
         let (mut w, mut dw) = ([9.0], [9.0]);
         source.speeds(&Law { u: &[0.5], x: &[0.0, 0.0], ..law() }, &mut w, &mut dw);
         assert_eq!((w[0], dw[0]), (0.0, 0.5 * TAU * TAU));
-        assert_eq!(IdealAngleSource { f: 0.0, ..source }.check().unwrap_err().param, "f");
+        assert_eq!(IdealAngleSource { f: 0.0, ..source }.errors()[0].param, "f");
     }
 }

@@ -14,12 +14,6 @@ use crate::mechanics::quantities::ROTATION;
 #[block(category = "Rotational", symbol = MotionSource("ω"))]
 pub struct IdealSpeedSource;
 
-impl Block for IdealSpeedSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for IdealSpeedSource {
     fn part(&self, _given: &Given) -> Part {
         ROTATION.speed_source()

@@ -12,12 +12,6 @@ use crate::mechanics::quantities::{ROTATION, undamped};
 #[block(category = "Rotational", symbol = Torque)]
 pub struct IdealTorqueSource;
 
-impl Block for IdealTorqueSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for IdealTorqueSource {
     fn part(&self, _given: &Given) -> Part {
         ROTATION.effort_source()

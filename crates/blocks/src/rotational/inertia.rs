@@ -1,7 +1,6 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::quantities::{ROTATION, show_inertia};
-use crate::multibody::axis::finite_start;
 
 /// A rotating mass: $\tau = J \dot w$, against an implied ground.
 ///
@@ -15,22 +14,11 @@ use crate::multibody::axis::finite_start;
 #[block(category = "Rotational", symbol = Inertia)]
 pub struct Inertia {
     /// Moment of inertia; zero is allowed where something else gives the part its inertia.
-    #[block(unit = "kg*m^2")]
+    #[block(unit = "kg*m^2", not_negative)]
     pub j: f64,
     /// Speed at the start. Where none is given it is that of the parts it is coupled to, else zero.
-    #[block(unit = "rad/s", default = None)]
+    #[block(unit = "rad/s", finite, default = None)]
     pub w0: Option<f64>,
-}
-
-impl Block for Inertia {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("j", self.j)?;
-        finite_start("w0", self.w0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for Inertia {

@@ -36,22 +36,33 @@ use blocksim_block::prelude::*;
 #[block(category = "Rotational", symbol = Friction)]
 pub struct LuGreFriction {
     /// Coulomb torque $\tau_C$, above zero.
-    #[block(unit = "N*m")]
+    #[block(
+        unit = "N*m",
+        positive,
+        remedy = "without dry friction a RotationalDamper does the same; else write a small torque"
+    )]
     pub coulomb: f64,
     /// Breakaway torque $\tau_b$, at least the Coulomb torque.
-    #[block(unit = "N*m")]
+    #[block(
+        unit = "N*m", finite, at_least = coulomb,
+        remedy = "without a Stribeck effect write the same value for `breakaway` and `coulomb`",
+    )]
     pub breakaway: f64,
     /// Stribeck velocity $w_S$: how soon the torque falls from breakaway to Coulomb.
-    #[block(unit = "rad/s")]
+    #[block(unit = "rad/s", positive)]
     pub stribeck_velocity: f64,
     /// Viscous coefficient $f$.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub viscous: f64,
     /// Stiffness of the bristles $\sigma_0$.
-    #[block(unit = "N*m/rad")]
+    #[block(
+        unit = "N*m/rad",
+        positive,
+        remedy = "bristles without stiffness never stick; RotationalFriction needs none"
+    )]
     pub sigma0: f64,
     /// Damping of the bristles $\sigma_1$ at rest.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub sigma1: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
@@ -90,35 +101,6 @@ impl LuGreFriction {
         let b = self.bristles(z, w);
         let value = self.sigma0 * z + b.damping * b.rate + self.viscous * w;
         (value, b.d_damping * b.rate + b.damping * b.d_rate + self.viscous)
-    }
-}
-
-impl Block for LuGreFriction {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("coulomb", self.coulomb).map_err(|error| {
-            error.help("without dry friction a RotationalDamper does the same; else write a small torque")
-        })?;
-        finite("breakaway", self.breakaway)?;
-        if self.breakaway < self.coulomb {
-            return Err(ParamError::new(
-                "breakaway",
-                format!(
-                    "the breakaway torque ({}) is below the Coulomb torque ({})",
-                    self.breakaway, self.coulomb
-                ),
-            )
-            .help("without a Stribeck effect write the same value for `breakaway` and `coulomb`"));
-        }
-        positive("stribeck_velocity", self.stribeck_velocity)?;
-        not_negative("viscous", self.viscous)?;
-        positive("sigma0", self.sigma0).map_err(|error| {
-            error.help("bristles without stiffness never stick; RotationalFriction needs none")
-        })?;
-        not_negative("sigma1", self.sigma1)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -236,19 +218,19 @@ mod tests {
 
     #[test]
     fn parameters_that_make_no_friction_are_refused() {
-        assert_eq!(EXAMPLE.check(), Ok(()));
+        assert_eq!(EXAMPLE.errors()[..], []);
         for (model, param) in [
             (LuGreFriction { coulomb: 0.0, ..EXAMPLE }, "coulomb"),
             (LuGreFriction { breakaway: 0.5, ..EXAMPLE }, "breakaway"),
             (LuGreFriction { sigma0: 0.0, ..EXAMPLE }, "sigma0"),
         ] {
-            let error = model.check().unwrap_err();
+            let error = model.errors()[0].clone();
             assert_eq!(error.param, param);
             assert!(error.help.is_some());
         }
-        assert_eq!(LuGreFriction { sigma1: -1.0, ..EXAMPLE }.check().unwrap_err().param, "sigma1");
+        assert_eq!(LuGreFriction { sigma1: -1.0, ..EXAMPLE }.errors()[0].param, "sigma1");
         assert_eq!(
-            LuGreFriction { stribeck_velocity: 0.0, ..EXAMPLE }.check().unwrap_err().param,
+            LuGreFriction { stribeck_velocity: 0.0, ..EXAMPLE }.errors()[0].param,
             "stribeck_velocity"
         );
     }

@@ -13,18 +13,8 @@ use crate::mechanics::quantities::{ROTATION, show_motion};
 #[block(category = "Rotational", symbol = Sensor("φ ω"))]
 pub struct MotionSensor {
     /// Angle at the start.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub phi0: f64,
-}
-
-impl Block for MotionSensor {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("phi0", self.phi0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for MotionSensor {

@@ -25,26 +25,15 @@ pub struct OneWayClutch {
     #[block(default = FrictionModel::Stiction)]
     pub model: FrictionModel,
     /// Torque over slip while it drives; for `Smooth`.
-    #[block(unit = "N*m*s/rad", default = 1000.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 1000.0)]
     pub d: f64,
     /// Slip $w_t$ over which it sets in; for `Smooth`.
-    #[block(unit = "rad/s", default = 1e-3)]
+    #[block(unit = "rad/s", positive, default = 1e-3)]
     pub transition: f64,
 }
 
 /// What a change of its mode is called.
 const FREEWHEEL: &[Change] = &[Change::to(0.0, "locks"), Change::from(0.0, "overruns")];
-
-impl Block for OneWayClutch {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("d", self.d)?;
-        positive("transition", self.transition)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
 
 impl Component for OneWayClutch {
     fn part(&self, _given: &Given) -> Part {
@@ -112,7 +101,7 @@ mod tests {
 
     #[test]
     fn a_transition_of_zero_is_refused() {
-        assert_eq!(OneWayClutch { transition: 0.0, ..CLUTCH }.check().unwrap_err().param, "transition");
-        assert_eq!(OneWayClutch { d: -1.0, ..CLUTCH }.check().unwrap_err().param, "d");
+        assert_eq!(OneWayClutch { transition: 0.0, ..CLUTCH }.errors()[0].param, "transition");
+        assert_eq!(OneWayClutch { d: -1.0, ..CLUTCH }.errors()[0].param, "d");
     }
 }

@@ -12,24 +12,15 @@ use blocksim_block::prelude::*;
 #[block(category = "Rotational", symbol = Torque)]
 pub struct QuadraticLoad {
     /// Torque $\tau_n$ at the nominal speed; zero is allowed.
-    #[block(unit = "N*m")]
+    #[block(unit = "N*m", not_negative)]
     pub torque: f64,
     /// Nominal speed $w_n$.
-    #[block(unit = "rad/s")]
+    #[block(
+        unit = "rad/s",
+        positive,
+        remedy = "`speed` is where the load takes `torque`; the load brakes in both directions"
+    )]
     pub speed: f64,
-}
-
-impl Block for QuadraticLoad {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("torque", self.torque)?;
-        positive("speed", self.speed).map_err(|error| {
-            error.help("`speed` is where the load takes `torque`; the load brakes in both directions")
-        })
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for QuadraticLoad {
@@ -67,7 +58,7 @@ mod tests {
 
     #[test]
     fn a_nominal_speed_of_zero_is_refused() {
-        assert_eq!(QuadraticLoad { torque: 1.0, speed: 0.0 }.check().unwrap_err().param, "speed");
-        assert_eq!(QuadraticLoad { torque: -1.0, speed: 1.0 }.check().unwrap_err().param, "torque");
+        assert_eq!(QuadraticLoad { torque: 1.0, speed: 0.0 }.errors()[0].param, "speed");
+        assert_eq!(QuadraticLoad { torque: -1.0, speed: 1.0 }.errors()[0].param, "torque");
     }
 }

@@ -11,21 +11,11 @@ use crate::mechanics::quantities::{ROTATION, show_speed};
 #[block(category = "Rotational", symbol = Damper)]
 pub struct RotationalDamper {
     /// Damping coefficient; zero is allowed.
-    #[block(unit = "N*m*s/rad")]
+    #[block(unit = "N*m*s/rad", not_negative)]
     pub d: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
     pub heat_port: bool,
-}
-
-impl Block for RotationalDamper {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("d", self.d)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for RotationalDamper {
@@ -62,6 +52,6 @@ mod tests {
 
     #[test]
     fn a_negative_coefficient_is_refused() {
-        assert_eq!(RotationalDamper { d: -1.0, heat_port: false }.check().unwrap_err().param, "d");
+        assert_eq!(RotationalDamper { d: -1.0, heat_port: false }.errors()[0].param, "d");
     }
 }

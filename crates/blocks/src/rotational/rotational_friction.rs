@@ -39,16 +39,19 @@ use crate::mechanics::stribeck::Stribeck;
 #[block(category = "Rotational", symbol = Friction)]
 pub struct RotationalFriction {
     /// Breakaway torque $\tau_b$, at least the Coulomb torque.
-    #[block(unit = "N*m")]
+    #[block(
+        unit = "N*m", finite, at_least = coulomb,
+        remedy = "without a Stribeck effect write the same value for `breakaway` and `coulomb`",
+    )]
     pub breakaway: f64,
     /// Breakaway velocity $w_b$: speed of the largest friction torque.
-    #[block(unit = "rad/s")]
+    #[block(unit = "rad/s", not_negative)]
     pub breakaway_velocity: f64,
     /// Coulomb torque $\tau_C$.
-    #[block(unit = "N*m")]
+    #[block(unit = "N*m", not_negative)]
     pub coulomb: f64,
     /// Viscous coefficient $f$.
-    #[block(unit = "N*m*s/rad", default = 0.0)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.0)]
     pub viscous: f64,
     /// `Smooth` or `Stiction`.
     #[block(default = FrictionModel::Smooth)]
@@ -63,15 +66,9 @@ impl RotationalFriction {
         let Self { breakaway, breakaway_velocity, coulomb, viscous, model, .. } = *self;
         Stribeck { breakaway, breakaway_velocity, coulomb, viscous, model }
     }
-}
 
-impl Block for RotationalFriction {
-    fn check(&self) -> Result<(), ParamError> {
-        self.law().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.law().validate(errors);
     }
 }
 

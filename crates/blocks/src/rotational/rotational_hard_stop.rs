@@ -19,22 +19,25 @@ use crate::multibody::joint_limit::JointLimit;
 #[block(category = "Rotational", symbol = HardStop)]
 pub struct RotationalHardStop {
     /// Least angle without contact.
-    #[block(unit = "rad", default = -0.1)]
+    #[block(unit = "rad", finite, default = -0.1)]
     pub lower: f64,
     /// Largest angle without contact.
-    #[block(unit = "rad", default = 0.1)]
+    #[block(unit = "rad", finite, above = lower, default = 0.1)]
     pub upper: f64,
     /// Stiffness $k$ of both ends.
-    #[block(unit = "N*m/rad", default = 1e6)]
+    #[block(unit = "N*m/rad", not_negative, default = 1e6)]
     pub stiffness: f64,
     /// Damping $d$ of both ends.
-    #[block(unit = "N*m*s/rad", default = 0.01)]
+    #[block(unit = "N*m*s/rad", not_negative, default = 0.01)]
     pub damping: f64,
     /// Width $b$ over which an end sets in; zero sets in at once.
-    #[block(unit = "rad", default = 1e-3)]
+    #[block(unit = "rad", not_negative, default = 1e-3)]
     pub transition: f64,
     /// Angle at the start.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(
+        unit = "rad", finite, at_least = lower, at_most = upper, default = 0.0,
+        remedy = "start within the free travel, or move `lower` and `upper`",
+    )]
     pub phi0: f64,
 }
 
@@ -42,16 +45,6 @@ impl RotationalHardStop {
     fn travel(&self) -> Travel {
         let Self { lower, upper, stiffness, damping, transition, .. } = *self;
         Travel { lower, upper, end: JointLimit { stiffness, damping, transition } }
-    }
-}
-
-impl Block for RotationalHardStop {
-    fn check(&self) -> Result<(), ParamError> {
-        self.travel().check(("phi0", self.phi0), "rad")
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 

@@ -11,12 +11,6 @@ use crate::mechanics::quantities::ROTATION;
 #[block(category = "Rotational", symbol = Housing)]
 pub struct RotationalReference;
 
-impl Block for RotationalReference {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for RotationalReference {
     fn part(&self, _given: &Given) -> Part {
         ROTATION.reference()

@@ -23,16 +23,19 @@ use crate::mechanics::rigid_stop::RigidStop;
 #[block(category = "Rotational", symbol = HardStop)]
 pub struct RotationalRigidStop {
     /// Least angle; none unless given.
-    #[block(unit = "rad", default = None)]
+    #[block(unit = "rad", finite, default = None)]
     pub lower: Option<f64>,
     /// Largest angle; none unless given.
-    #[block(unit = "rad", default = None)]
+    #[block(unit = "rad", finite, above = lower, default = None)]
     pub upper: Option<f64>,
     /// Restitution $e$: part of the speed that is left after a bounce, 0 to 1.
-    #[block(default = 0.0)]
+    #[block(at_least = 0.0, at_most = 1.0, default = 0.0, remedy = "0 does not bounce, 1 loses nothing")]
     pub restitution: f64,
     /// Angle at the start.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(
+        unit = "rad", finite, at_least = lower, at_most = upper, default = 0.0,
+        remedy = "start within the travel, or move `lower` and `upper`",
+    )]
     pub phi0: f64,
 }
 
@@ -40,15 +43,9 @@ impl RotationalRigidStop {
     fn law(&self) -> RigidStop {
         RigidStop { lower: self.lower, upper: self.upper, restitution: self.restitution }
     }
-}
 
-impl Block for RotationalRigidStop {
-    fn check(&self) -> Result<(), ParamError> {
-        self.law().check(("phi0", self.phi0), "rad")
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.law().validate(errors);
     }
 }
 

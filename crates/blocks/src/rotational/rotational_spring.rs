@@ -16,22 +16,11 @@ use crate::mechanics::quantities::{ROTATION, show_deflection, undamped};
 #[block(category = "Rotational", symbol = Spring)]
 pub struct RotationalSpring {
     /// Stiffness; zero is allowed.
-    #[block(unit = "N*m/rad")]
+    #[block(unit = "N*m/rad", not_negative)]
     pub k: f64,
     /// Deflection at the start.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub phi0: f64,
-}
-
-impl Block for RotationalSpring {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("k", self.k)?;
-        finite("phi0", self.phi0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for RotationalSpring {
@@ -74,6 +63,6 @@ mod tests {
 
     #[test]
     fn a_negative_stiffness_is_refused() {
-        assert_eq!(RotationalSpring { k: -1.0, phi0: 0.0 }.check().unwrap_err().param, "k");
+        assert_eq!(RotationalSpring { k: -1.0, phi0: 0.0 }.errors()[0].param, "k");
     }
 }

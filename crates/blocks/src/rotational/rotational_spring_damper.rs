@@ -23,19 +23,19 @@ use crate::mechanics::quantities::{ROTATION, show_deflection};
 #[block(category = "Rotational", symbol = SpringDamper)]
 pub struct RotationalSpringDamper {
     /// Stiffness; zero is allowed.
-    #[block(unit = "N*m/rad")]
+    #[block(unit = "N*m/rad", not_negative)]
     pub k: f64,
     /// Damping coefficient; zero is allowed.
-    #[block(unit = "N*m*s/rad")]
+    #[block(unit = "N*m*s/rad", not_negative)]
     pub d: f64,
     /// Play between the flanks, from one contact to the other.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", not_negative, default = 0.0)]
     pub backlash: f64,
     /// Width over which the contact sets in; with backlash only.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", not_negative, default = 0.0)]
     pub transition: f64,
     /// Deflection at the start; zero is the middle of the play.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub phi0: f64,
 }
 
@@ -43,16 +43,9 @@ impl RotationalSpringDamper {
     fn law(&self) -> SpringDamper {
         SpringDamper { k: self.k, d: self.d, backlash: self.backlash, transition: self.transition }
     }
-}
 
-impl Block for RotationalSpringDamper {
-    fn check(&self) -> Result<(), ParamError> {
-        self.law().check()?;
-        finite("phi0", self.phi0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.law().validate(errors);
     }
 }
 

@@ -11,12 +11,6 @@ use crate::mechanics::quantities::ROTATION;
 #[block(category = "Rotational", symbol = Sensor("τ"))]
 pub struct TorqueSensor;
 
-impl Block for TorqueSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for TorqueSensor {
     fn part(&self, _given: &Given) -> Part {
         ROTATION.load_sensor()

@@ -1,4 +1,4 @@
-use super::names::check_names;
+use super::names::validate_names;
 use blocksim_block::prelude::*;
 
 /// Gives signals names and bundles them to a bus.
@@ -16,11 +16,13 @@ pub struct BusCreator {
     pub elements: Vec<String>,
 }
 
-impl Block for BusCreator {
-    fn check(&self) -> Result<(), ParamError> {
-        check_names("elements", self.elements.iter().map(String::as_str))
+impl BusCreator {
+    fn validate(&self, errors: &mut ParamErrors) {
+        validate_names("elements", self.elements.iter().map(String::as_str), errors);
     }
+}
 
+impl Block for BusCreator {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let inputs =
             self.elements.iter().fold(Interface::new(), |interface, name| interface.input(Input::any(name)));
@@ -51,8 +53,10 @@ mod tests {
 
     #[test]
     fn elements_are_names_that_differ() {
-        for elements in [&[][..], &["a", "a"], &["a.b"]] {
-            assert_eq!(creator(elements).check().unwrap_err().param, "elements");
+        for (elements, param) in
+            [(&[][..], "elements"), (&["a", "a"], "elements[1]"), (&["a.b"], "elements[0]")]
+        {
+            assert_eq!(creator(elements).errors()[0].param, param);
         }
     }
 }

@@ -1,4 +1,4 @@
-use super::names::check_names;
+use super::names::{is_name, no_name};
 use blocksim_block::prelude::*;
 
 /// Takes elements out of a bus, by paths with points.
@@ -12,6 +12,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Routing", symbol = Bar)]
 pub struct BusSelector {
     /// Paths of the elements.
+    #[block(not_empty, empty = "name at least one")]
     pub elements: Vec<String>,
 }
 
@@ -20,17 +21,26 @@ fn last(path: &str) -> &str {
     path.rsplit('.').next().unwrap_or(path)
 }
 
-impl Block for BusSelector {
-    fn check(&self) -> Result<(), ParamError> {
-        for path in &self.elements {
+impl BusSelector {
+    fn validate(&self, errors: &mut ParamErrors) {
+        for (i, path) in self.elements.iter().enumerate() {
             // One by one, for a name may well occur twice in one path.
-            path.split('.').try_for_each(|name| check_names("elements", [name]))?;
+            for name in path.split('.').filter(|name| !is_name(name)) {
+                errors.add(no_name(&format!("elements[{i}]"), "elements", name));
+            }
         }
-        check_names("elements", self.elements.iter().map(|path| last(path))).map_err(|error| {
-            error.help("outputs bear the last names of the paths; use a second BusSelector for the same name")
-        })
+        let names: Vec<&str> = self.elements.iter().map(|path| last(path)).collect();
+        for (i, name) in
+            names.iter().enumerate().filter(|(i, name)| is_name(name) && names[..*i].contains(name))
+        {
+            let error = ParamError::new(format!("elements[{i}]"), format!("`elements` names `{name}` twice"));
+            let help = "outputs bear the last names of the paths; use a second BusSelector for the same name";
+            errors.add(error.help(help));
+        }
     }
+}
 
+impl Block for BusSelector {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let interface = Interface::new().input(Input::any("u"));
         Ok(self
@@ -63,9 +73,9 @@ mod tests {
 
     #[test]
     fn paths_are_made_of_names_and_end_differently() {
-        assert!(selector(&["A.A.B", "A.C"]).check().is_ok());
+        assert!(selector(&["A.A.B", "A.C"]).errors().is_empty());
         for elements in [&[][..], &["a.x", "b.x"], &["a..x"], &["a.x."], &["a x"]] {
-            assert_eq!(selector(elements).check().unwrap_err().param, "elements", "{elements:?}");
+            assert!(selector(elements).errors()[0].param.starts_with("elements"), "{elements:?}");
         }
     }
 }

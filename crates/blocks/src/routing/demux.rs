@@ -12,10 +12,10 @@ use blocksim_block::prelude::*;
 #[block(category = "Routing", symbol = Bar)]
 pub struct Demux {
     /// Number of equal parts, if there are no `sizes`.
-    #[block(default = 2)]
+    #[block(at_least = 1, at_most = MOST_PORTS, default = 2)]
     pub outputs: usize,
     /// Number of elements of each part.
-    #[block(default = Vec::new())]
+    #[block(at_least = 1, default = Vec::new())]
     pub sizes: Vec<usize>,
 }
 
@@ -46,14 +46,6 @@ impl Demux {
 }
 
 impl Block for Demux {
-    fn check(&self) -> Result<(), ParamError> {
-        count("outputs", self.outputs, 1, MOST_PORTS)?;
-        if self.sizes.contains(&0) {
-            return Err(ParamError::new("sizes", "a part of `sizes` is 0, but must be at least 1"));
-        }
-        Ok(())
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let parts = self.parts(given.input("u").map(|u| u.shape.len()))?;
@@ -116,7 +108,7 @@ mod tests {
             let error = interface(&block, PortType::vector(5)).unwrap_err();
             assert_eq!((error.code, error.ports), ("type_mismatch", vec!["u".to_owned()]));
         }
-        assert_eq!(Demux { outputs: 2, sizes: vec![1, 0] }.check().unwrap_err().param, "sizes");
-        assert_eq!(Demux { outputs: 0, sizes: vec![] }.check().unwrap_err().param, "outputs");
+        assert_eq!(Demux { outputs: 2, sizes: vec![1, 0] }.errors()[0].param, "sizes[1]");
+        assert_eq!(Demux { outputs: 0, sizes: vec![] }.errors()[0].param, "outputs");
     }
 }

@@ -20,28 +20,27 @@ use blocksim_block::prelude::*;
 /// IfElse(conditions: ["u < low", "u > 24"], parameters: { "low": 18 })
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Routing", symbol = Lines("if", "else"))]
+#[block(category = "Routing", symbol = Lines("if", "else"), builds = Choice)]
 pub struct IfElse {
     /// Conditions in the order in which they count.
+    #[block(not_empty, empty = "give a list of conditions, such as [\"u > 0\"]")]
     pub conditions: Vec<String>,
     /// Names with numbers, which may have units, or truth values.
     #[block(default = BTreeMap::new())]
     pub parameters: BTreeMap<String, ParamValue>,
-    /// What the texts mean.
-    #[block(skip)]
-    built: Option<Result<Built, ParamError>>,
 }
 
 /// What the texts mean.
 #[derive(Debug, Clone)]
-struct Built {
+pub struct Choice {
+    parameters: BTreeMap<String, ParamValue>,
     /// The conditions; one that is a mere name says that this is true or false.
     texts: Vec<String>,
     formulas: Formulas,
     law: TextLaw,
 }
 
-impl Built {
+impl Choice {
     /// What the places of the law are in.
     fn text(&self) -> String {
         self.texts.join("\n")
@@ -51,25 +50,20 @@ impl Built {
 /// Most conditions.
 const MOST: usize = 1000;
 
+/// Names of the outputs for so many conditions.
+fn outputs(conditions: usize) -> Vec<String> {
+    let mut names = if conditions == 1 { vec!["y1".to_owned()] } else { numbered("y", conditions) };
+    names.push("else".to_owned());
+    names
+}
+
 impl IfElse {
-    /// Conditions with parameters.
-    pub fn new(conditions: &[&str], parameters: BTreeMap<String, ParamValue>) -> Self {
-        let conditions = conditions.iter().map(ToString::to_string).collect();
-        let mut choice = Self { conditions, parameters, built: None };
-        choice.built = Some(choice.build());
-        choice
+    fn validate(&self, errors: &mut ParamErrors) {
+        errors.take(count("conditions", self.conditions.len(), 1, MOST));
+        LawParameters(&self.parameters).validate(errors);
     }
 
-    /// Names of the outputs.
-    fn outputs(&self) -> Vec<String> {
-        let n = self.conditions.len();
-        let mut names = if n == 1 { vec!["y1".to_owned()] } else { numbered("y", n) };
-        names.push("else".to_owned());
-        names
-    }
-
-    fn build(&self) -> Result<Built, ParamError> {
-        count("conditions", self.conditions.len(), 1, MOST)?;
+    fn build(self, errors: &mut ParamErrors) -> Option<Choice> {
         let parameters = LawParameters(&self.parameters);
         let param = |i: usize| format!("conditions[{i}]");
         let is_name = |text: &str| name_fits("conditions", text).is_ok();
@@ -80,79 +74,62 @@ impl IfElse {
             .collect();
         let named: Vec<(String, &str)> =
             texts.iter().enumerate().map(|(i, text)| (param(i), text.as_str())).collect();
-        let outputs = self.outputs();
+        let outputs = outputs(texts.len());
         let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
-        let formulas = Formulas::read(&named, parameters, &outputs)?;
+        let formulas = Formulas::read(&named, parameters, &outputs, errors)?;
+        for (i, text) in self.conditions.iter().enumerate().filter(|(i, _)| !formulas.is_truth(*i)) {
+            let message = format!("`{text}` is a number, but must be true or false");
+            let help = "compare it, as in `u > 0`; a truth value is its own condition";
+            errors.add(ParamError::new(param(i), message).help(help));
+        }
         let recorder = Recorder::new();
         let known = formulas.known(&recorder, parameters);
         let mut none_before = recorder.fixed(true);
-        for (i, (text, name)) in self.conditions.iter().zip(&outputs).enumerate() {
+        for (i, name) in outputs.iter().take(texts.len()).enumerate() {
             recorder.enter(none_before);
-            let Part::Truth(holds) = formulas.record(i, &recorder, &known) else {
-                let message = format!("`{text}` is a number, but must be true or false");
-                return Err(ParamError::new(param(i), message)
-                    .help("compare it, as in `u > 0`; a truth value is its own condition"));
-            };
+            // One that is a number has been reported.
+            let Part::Truth(holds) = formulas.record(i, &recorder, &known) else { return None };
             recorder.leave();
             recorder.output_truth(name, none_before.and(holds));
             none_before = none_before.and(!holds);
         }
         recorder.output_truth("else", none_before);
-        let law =
-            TextLaw::new(&recorder.finish(), "conditions", &texts.join("\n")).map_err(|mut error| {
-                if let Some(span) = &mut error.span {
-                    let (line, begin) = formulas.line_of(span.start);
-                    *span = span.start - begin..span.end - begin;
-                    error.param = param(line);
-                }
-                error
-            })?;
-        Ok(Built { texts, formulas, law })
-    }
-
-    fn built(&self) -> Option<&Built> {
-        self.built.as_ref().and_then(|built| built.as_ref().ok())
+        let law = TextLaw::new(&recorder.finish(), "conditions", &texts.join("\n"));
+        let law = errors.take(law.map_err(|mut error| {
+            if let Some(span) = &mut error.span {
+                let (line, begin) = formulas.line_of(span.start);
+                *span = span.start - begin..span.end - begin;
+                error.param = param(line);
+            }
+            error
+        }))?;
+        Some(Choice { parameters: self.parameters, texts, formulas, law })
     }
 }
 
-impl Block for IfElse {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
-        self.built = Some(self.build());
-        Ok(())
-    }
-
-    fn check(&self) -> Result<(), ParamError> {
-        match &self.built {
-            Some(built) => built.as_ref().map(|_| ()).map_err(Clone::clone),
-            None => self.build().map(|_| ()),
-        }
-    }
-
+impl Block for Choice {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
-        let Some(built) = self.built() else { return Ok(Interface::new()) };
-        let Built { texts, formulas, law } = built;
+        let Self { parameters, texts, formulas, law } = self;
         for (i, text) in texts.iter().enumerate() {
-            formulas.dimension(i, text, given, LawParameters(&self.parameters))?;
+            formulas.dimension(i, text, given, LawParameters(parameters))?;
         }
         let interface = formulas.inputs.iter().fold(Interface::new(), |interface, (name, is_truth)| {
             interface.input(if *is_truth { Input::boolean(name) } else { Input::real(name) }.scalar())
         });
-        let interface = self
-            .outputs()
+        let interface = outputs(texts.len())
             .iter()
             .fold(interface, |interface, name| interface.output(Output::like(name, PortType::boolean())));
-        Ok(law.declare(interface, 1, &built.text()))
+        Ok(law.declare(interface, 1, &self.text()))
     }
 
     fn law(&self, l: &Recording) -> bool {
-        let Some(Built { law, .. }) = self.built() else { return false };
-        let outputs = law.record(l, 0, 0, 0).outputs;
+        let outputs = self.law.record(l, 0, 0, 0).outputs;
         outputs.iter().enumerate().for_each(|(port, value)| l.set(port, 0, *value));
         true
     }
 
     fn no_value(&self, failure: &Failure, _c: &Context) -> Option<String> {
-        Some(no_value(failure, &self.built()?.text()))
+        Some(no_value(failure, &self.text()))
     }
 }
 
@@ -163,7 +140,8 @@ mod tests {
     use blocksim_block::testing::Bench;
 
     fn choice(conditions: &[&str]) -> IfElse {
-        IfElse::new(conditions, BTreeMap::new())
+        let conditions = conditions.iter().map(ToString::to_string).collect();
+        IfElse { conditions, parameters: BTreeMap::new() }
     }
 
     #[test]
@@ -201,15 +179,15 @@ mod tests {
             (&["y1 > 0"], "conditions[0]"),
             (&["u > 1/0", "u > 0"], "conditions[0]"),
         ] {
-            assert_eq!(choice(conditions).check().unwrap_err().param, param, "{conditions:?}");
+            assert_eq!(choice(conditions).try_build().unwrap_err()[0].param, param, "{conditions:?}");
         }
-        let error = choice(&["u > 0", "u > lnn(2)"]).check().unwrap_err();
-        assert_eq!((error.param.as_str(), error.span), ("conditions[1]", Some(4..7)));
+        let error = &choice(&["u > 0", "u > lnn(2)"]).try_build().unwrap_err()[0];
+        assert_eq!((error.param.as_str(), error.span.clone()), ("conditions[1]", Some(4..7)));
     }
 
     #[test]
     fn units_must_fit_in_each_condition() {
-        let block = choice(&["u > 1 V", "w > u"]);
+        let block = choice(&["u > 1 V", "w > u"]).built();
         assert!(block.interface(&given(&[("u", "V"), ("w", "mV")], &[])).is_ok());
         let error = block.interface(&given(&[("u", "V"), ("w", "A")], &[])).unwrap_err();
         assert_eq!((error.code, error.ports.len()), ("unit_mismatch", 2));

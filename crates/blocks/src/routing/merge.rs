@@ -18,19 +18,14 @@ use blocksim_block::prelude::*;
 #[block(category = "Routing", symbol = Text("merge"))]
 pub struct Merge {
     /// Number of inputs `u1`, `u2` ... to choose from.
-    #[block(default = 2)]
+    #[block(at_least = 2, at_most = 1000, default = 2)]
     pub inputs: usize,
     /// Output before any of the subsystems has run, in the unit of the inputs; an error ends the run if it is not given.
-    #[block(default = None)]
+    #[block(finite, default = None)]
     pub initial: Option<f64>,
 }
 
 impl Block for Merge {
-    fn check(&self) -> Result<(), ParamError> {
-        count("inputs", self.inputs, 2, 1000)?;
-        self.initial.map_or(Ok(()), |initial| finite("initial", initial))
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let names = numbered("u", self.inputs);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -69,7 +64,7 @@ mod tests {
         assert_eq!(of(truth, truth, Some(1.0)).unwrap().outputs[0].port_type.kind, Kind::Bool);
         assert_eq!(of(real, truth, None).unwrap_err().ports, ["u2", "u1"]);
         assert_eq!(of(truth, truth, Some(2.0)).unwrap_err().ports, ["u1"]);
-        assert_eq!(Merge { inputs: 1, initial: None }.check().unwrap_err().param, "inputs");
-        assert_eq!(Merge { inputs: 2, initial: Some(f64::NAN) }.check().unwrap_err().param, "initial");
+        assert_eq!(Merge { inputs: 1, initial: None }.errors()[0].param, "inputs");
+        assert_eq!(Merge { inputs: 2, initial: Some(f64::NAN) }.errors()[0].param, "initial");
     }
 }

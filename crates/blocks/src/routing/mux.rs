@@ -12,15 +12,11 @@ use blocksim_block::prelude::*;
 #[block(category = "Routing", symbol = Bar)]
 pub struct Mux {
     /// Number of inputs.
-    #[block(default = 2)]
+    #[block(at_least = 1, at_most = MOST_PORTS, default = 2)]
     pub inputs: usize,
 }
 
 impl Block for Mux {
-    fn check(&self) -> Result<(), ParamError> {
-        count("inputs", self.inputs, 1, MOST_PORTS)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let names = input_names(self.inputs);
         let names = borrowed(&names);
@@ -99,6 +95,6 @@ mod tests {
         assert_eq!(mux(boolean, boolean).unwrap().outputs[0].port_type.kind, Kind::Bool);
         assert_eq!(mux(PortType::scalar(), boolean).unwrap_err().ports, ["u2", "u1"]);
         assert_eq!(mux(PortType::scalar().shaped(Shape::Matrix(2, 2)), boolean).unwrap_err().ports, ["u1"]);
-        assert_eq!(Mux { inputs: 0 }.check().unwrap_err().param, "inputs");
+        assert_eq!(Mux { inputs: 0 }.errors()[0].param, "inputs");
     }
 }

@@ -11,17 +11,11 @@ use blocksim_block::prelude::*;
 #[block(category = "Routing", symbol = Text("u[i]"))]
 pub struct Selector {
     /// Indices, counted from 0.
+    #[block(not_empty, empty = "name at least one")]
     pub indices: Vec<usize>,
 }
 
 impl Block for Selector {
-    fn check(&self) -> Result<(), ParamError> {
-        if self.indices.is_empty() {
-            return Err(ParamError::new("indices", "`indices` is empty").help("name at least one"));
-        }
-        Ok(())
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         let length = given.input("u").map_or(usize::MAX, |u| u.shape.len());
@@ -71,6 +65,6 @@ mod tests {
             Selector { indices: vec![3] }.interface(&Given::nothing()).is_ok(),
             "the length is not known yet"
         );
-        assert_eq!(Selector { indices: vec![] }.check().unwrap_err().param, "indices");
+        assert_eq!(Selector { indices: vec![] }.errors()[0].param, "indices");
     }
 }

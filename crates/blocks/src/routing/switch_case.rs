@@ -17,6 +17,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Routing", symbol = Lines("case", "default"))]
 pub struct SwitchCase {
     /// The numbers of each case.
+    #[block(finite, at_least = -LARGEST, at_most = LARGEST)]
     pub cases: Vec<Vec<f64>>,
 }
 
@@ -68,38 +69,34 @@ impl SwitchCase {
         });
         all
     }
-}
 
-impl Block for SwitchCase {
-    fn check(&self) -> Result<(), ParamError> {
-        count("cases", self.cases.iter().map(Vec::len).sum(), 1, MOST)?;
+    fn validate(&self, errors: &mut ParamErrors) {
+        errors.take(count("cases", self.cases.iter().map(Vec::len).sum(), 1, MOST));
         for (case, numbers) in self.cases.iter().enumerate() {
             let param = format!("cases[{case}]");
             if numbers.is_empty() {
-                return Err(ParamError::new(param, "the case has no number, so it would never be chosen")
-                    .help("give it a number, or remove it"));
+                let message = "the case has no number, so it would never be chosen";
+                errors.add(ParamError::new(&param, message).help("give it a number, or remove it"));
             }
-            for (i, number) in numbers.iter().enumerate() {
-                if number.fract() != 0.0 || number.abs() > LARGEST {
-                    let message = format!("{number} is not a whole number up to {LARGEST:e}");
-                    return Err(ParamError::new(format!("{param}[{i}]"), message)
-                        .help("cases are whole numbers; IfElse chooses by conditions"));
-                }
+            for (i, number) in numbers.iter().enumerate().filter(|(_, number)| number.fract() != 0.0) {
+                let error =
+                    ParamError::new(format!("{param}[{i}]"), format!("{number} is not a whole number"));
+                errors.add(error.help("cases are whole numbers; IfElse chooses by conditions"));
             }
         }
-        match self.sorted().windows(2).find(|pair| pair[0].0 == pair[1].0) {
-            Some(&[(number, one), (_, other)]) => {
-                let (first, last) = (one.min(other), one.max(other));
-                let message = match first == last {
-                    true => format!("{number} is twice in case {}", first + 1),
-                    false => format!("{number} is in case {} and in case {}", first + 1, last + 1),
-                };
-                Err(ParamError::new(format!("cases[{last}]"), message).help("leave it in one of them"))
-            }
-            _ => Ok(()),
+        for pair in self.sorted().windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let ((number, one), (_, other)) = (pair[0], pair[1]);
+            let (first, last) = (one.min(other), one.max(other));
+            let message = match first == last {
+                true => format!("{number} is twice in case {}", first + 1),
+                false => format!("{number} is in case {} and in case {}", first + 1, last + 1),
+            };
+            errors.add(ParamError::new(format!("cases[{last}]"), message).help("leave it in one of them"));
         }
     }
+}
 
+impl Block for SwitchCase {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let n = self.cases.len();
         let mut names = if n == 1 { vec!["y1".to_owned()] } else { numbered("y", n) };
@@ -196,9 +193,9 @@ mod tests {
             (cases(&[&[1.0], &[2.0, 1.0]]), "cases[1]"),
             (cases(&[&[4.0, 4.0]]), "cases[0]"),
         ] {
-            assert_eq!(block.check().unwrap_err().param, param);
+            assert_eq!(block.errors()[0].param, param);
         }
-        let error = cases(&[&[1.0], &[2.0, 1.0]]).check().unwrap_err();
+        let error = cases(&[&[1.0], &[2.0, 1.0]]).errors()[0].clone();
         assert_eq!(error.message, "1 is in case 1 and in case 2");
     }
 }

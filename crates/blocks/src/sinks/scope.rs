@@ -1,4 +1,4 @@
-use crate::routing::names::check_names;
+use crate::routing::names::validate_names;
 use blocksim_block::RecordRequest;
 use blocksim_block::prelude::*;
 use blocksim_signal::Unit;
@@ -19,30 +19,26 @@ pub struct Scope {
     #[block(default = vec!["u".to_owned()])]
     pub inputs: Vec<String>,
     /// Unit in which numbers are shown; SI without.
-    #[block(default = None)]
+    #[block(a_unit, default = None)]
     pub display: Option<String>,
     /// A text for each input, for legends; the names of the inputs without.
     #[block(default = Vec::new())]
     pub legend: Vec<String>,
 }
 
-impl Block for Scope {
-    fn check(&self) -> Result<(), ParamError> {
-        check_names("inputs", self.inputs.iter().map(String::as_str))?;
+impl Scope {
+    fn validate(&self, errors: &mut ParamErrors) {
+        validate_names("inputs", self.inputs.iter().map(String::as_str), errors);
         if !self.legend.is_empty() && self.legend.len() != self.inputs.len() {
             let (texts, inputs) = (self.legend.len(), self.inputs.len());
-            return Err(ParamError::new("legend", format!("{texts} texts do not fit {inputs} inputs"))
-                .help("write one text for each input, in the same order, or leave `legend` away"));
+            let error = ParamError::new("legend", format!("{texts} texts do not fit {inputs} inputs"));
+            let help = "write one text for each input, in the same order, or leave `legend` away";
+            errors.add(error.beside(&["inputs"]).help(help));
         }
-        let Some(display) = &self.display else { return Ok(()) };
-        Unit::parse(display).map(|_| ()).map_err(|error| ParamError {
-            param: "display".to_owned(),
-            message: error.message,
-            help: error.help,
-            span: None,
-        })
     }
+}
 
+impl Block for Scope {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let display = self.display.as_ref().and_then(|text| Unit::parse(text).ok());
         let mut interface = Interface::new();
@@ -101,10 +97,10 @@ mod tests {
 
     #[test]
     fn names_and_unit_must_make_sense() {
-        assert_eq!(scope(&[], None).check().unwrap_err().param, "inputs");
-        assert_eq!(scope(&["a", "a"], None).check().unwrap_err().param, "inputs");
-        assert_eq!(scope(&["a"], Some("degg")).check().unwrap_err().param, "display");
-        assert!(scope(&["a"], Some("deg")).check().is_ok());
+        assert_eq!(scope(&[], None).errors()[0].param, "inputs");
+        assert_eq!(scope(&["a", "a"], None).errors()[0].param, "inputs[1]");
+        assert_eq!(scope(&["a"], Some("degg")).errors()[0].param, "display");
+        assert!(scope(&["a"], Some("deg")).errors().is_empty());
     }
 
     #[test]
@@ -113,8 +109,8 @@ mod tests {
             legend: legend.iter().map(ToString::to_string).collect(),
             ..scope(&["set", "actual"], None)
         };
-        assert!(with(&["Sollwert", "Istwert"]).check().is_ok());
-        let error = with(&["Sollwert"]).check().unwrap_err();
+        assert!(with(&["Sollwert", "Istwert"]).errors().is_empty());
+        let error = with(&["Sollwert"]).errors()[0].clone();
         assert_eq!((error.param.as_str(), error.message.as_str()), ("legend", "1 texts do not fit 2 inputs"));
         let interface = with(&["Sollwert", "Istwert"]).interface(&Given::nothing()).unwrap();
         assert_eq!(interface.recorded.unwrap().legend, ["Sollwert", "Istwert"]);

@@ -13,6 +13,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Sinks", symbol = Text("STOP"))]
 pub struct Stop {
     /// Why the run ends.
+    #[block(not_empty, empty = "write why the run ends")]
     pub message: String,
     /// Where the block is in the model.
     #[block(skip)]
@@ -22,13 +23,6 @@ pub struct Stop {
 impl Block for Stop {
     fn place(&mut self, path: &str) {
         path.clone_into(&mut self.path);
-    }
-
-    fn check(&self) -> Result<(), ParamError> {
-        if self.message.trim().is_empty() {
-            return Err(ParamError::new("message", "the message is empty").help("write why the run ends"));
-        }
-        Ok(())
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
@@ -52,7 +46,7 @@ mod tests {
     #[test]
     fn a_message_without_words_is_refused() {
         let stop = |message: &str| Stop { message: message.to_owned(), path: String::new() };
-        assert_eq!(stop(" ").check().unwrap_err().param, "message");
-        assert_eq!(stop("done").check(), Ok(()));
+        assert_eq!(stop(" ").errors()[0].param, "message");
+        assert_eq!(stop("done").errors()[..], []);
     }
 }

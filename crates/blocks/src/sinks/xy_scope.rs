@@ -15,10 +15,10 @@ use blocksim_signal::Unit;
 #[block(category = "Sinks", symbol = Scope)]
 pub struct XyScope {
     /// Unit in which `x` is shown; SI without.
-    #[block(default = None)]
+    #[block(a_unit, default = None)]
     pub display_x: Option<String>,
     /// Unit in which `y` is shown; SI without.
-    #[block(default = None)]
+    #[block(a_unit, default = None)]
     pub display_y: Option<String>,
     /// A text for `y` in the legend.
     #[block(default = None)]
@@ -36,19 +36,6 @@ impl XyScope {
 }
 
 impl Block for XyScope {
-    fn check(&self) -> Result<(), ParamError> {
-        for (_, param, display) in self.displays() {
-            if let Some(Err(error)) = display.as_ref().map(|display| Unit::parse(display)) {
-                let wrong = ParamError::new(param, error.message);
-                return Err(match error.help {
-                    Some(help) => wrong.help(help),
-                    None => wrong,
-                });
-            }
-        }
-        Ok(())
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         given.common_shape(&["x", "y"], &[])?;
         let (x, y) = (given.input_or_unknown("x").shape.len(), given.input_or_unknown("y").shape.len());
@@ -100,7 +87,7 @@ mod tests {
     fn units_and_shapes_must_fit() {
         let error = scope(None, Some("deg")).interface(&given(&[("x", "rad"), ("y", "V")], &[])).unwrap_err();
         assert_eq!((error.code, error.ports), ("unit_mismatch", vec!["y".to_owned()]));
-        assert_eq!(scope(None, Some("degg")).check().unwrap_err().param, "display_y");
+        assert_eq!(scope(None, Some("degg")).errors()[0].param, "display_y");
         let of = |x: usize, y: usize| {
             let port = |n| if n == 1 { PortType::scalar() } else { PortType::vector(n) };
             let inputs = vec![("x".to_owned(), port(x)), ("y".to_owned(), port(y))];

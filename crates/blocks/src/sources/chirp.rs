@@ -12,31 +12,23 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Sine))]
 pub struct Chirp {
     /// Amplitude $A$; its unit is that of the output.
-    #[block(default = 1.0)]
+    #[block(finite, default = 1.0)]
     pub amplitude: f64,
     /// Frequency $f_0$ at time 0.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", not_negative)]
     pub from: f64,
     /// Frequency $f_1$ at time $T$.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", not_negative)]
     pub to: f64,
     /// Time $T$.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub time: f64,
     /// Mean value $b$.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub bias: f64,
 }
 
 impl Block for Chirp {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("amplitude", self.amplitude)?;
-        not_negative("from", self.from)?;
-        not_negative("to", self.to)?;
-        positive("time", self.time)?;
-        finite("bias", self.bias)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let dimension = common_unit(given, &[("amplitude", self.amplitude), ("bias", self.bias)])?;
         Ok(Interface::new()
@@ -76,7 +68,7 @@ mod tests {
             let frequency = slope / (std::f64::consts::TAU * 3.0);
             assert!((frequency - (1.0 + 2.0 * t)).abs() < 1e-6, "{t}: {frequency}");
         }
-        assert_eq!(Chirp { time: 0.0, ..chirp }.check().unwrap_err().param, "time");
+        assert_eq!(Chirp { time: 0.0, ..chirp }.errors()[0].param, "time");
     }
 
     #[test]

@@ -30,31 +30,32 @@ impl Constant {
     fn quantities(&self) -> Vec<Quantity> {
         self.items().into_iter().filter_map(Value::as_number).collect()
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        if let Err(reason) = shape_of(&self.value.0) {
+            errors.add(ParamError::new("value", format!("`value`: {reason}")));
+        }
+        let items = self.items();
+        let quantities = self.quantities();
+        let is_other = |item: &&&Value| item.as_bool().is_none() && item.as_number().is_none();
+        if let Some(other) = items.iter().find(is_other) {
+            let what = other.describe();
+            let message = format!("`value` contains {what}, but must be made of numbers or of truth values");
+            errors.add(ParamError::new("value", message));
+        } else if !quantities.is_empty() && quantities.len() < items.len() {
+            errors.add(ParamError::new("value", "`value` mixes numbers and truth values"));
+        }
+        if let Some(quantity) = quantities.iter().find(|quantity| !quantity.value.is_finite()) {
+            errors.take(finite("value", quantity.value));
+        }
+        if let Err(reason) = common(&quantities) {
+            let error = ParamError::new("value", format!("`value` {reason}"));
+            errors.add(error.help("give all elements the same unit"));
+        }
+    }
 }
 
 impl Block for Constant {
-    fn check(&self) -> Result<(), ParamError> {
-        shape_of(&self.value.0).map_err(|reason| ParamError::new("value", format!("`value`: {reason}")))?;
-        let items = self.items();
-        let booleans = items.iter().filter(|item| item.as_bool().is_some()).count();
-        let quantities = self.quantities();
-        if let Some(other) = items.iter().find(|item| item.as_bool().is_none() && item.as_number().is_none())
-        {
-            let message = format!(
-                "`value` contains {}, but must be made of numbers or of truth values",
-                other.describe()
-            );
-            return Err(ParamError::new("value", message));
-        }
-        if booleans > 0 && !quantities.is_empty() {
-            return Err(ParamError::new("value", "`value` mixes numbers and truth values"));
-        }
-        quantities.iter().try_for_each(|quantity| finite("value", quantity.value))?;
-        common(&quantities).map(|_| ()).map_err(|reason| {
-            ParamError::new("value", format!("`value` {reason}")).help("give all elements the same unit")
-        })
-    }
-
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let items = self.items();
         let shape = shape_of(&self.value.0).unwrap_or_default();
@@ -131,7 +132,7 @@ mod tests {
             (list(vec![Value::List(vec![1.0.into()]), 1.0.into()]), "mixes rows with other values"),
             (constant(f64::NAN), "finite"),
         ] {
-            let error = block.check().unwrap_err();
+            let error = block.errors()[0].clone();
             assert!(error.param == "value" && error.message.contains(what), "{}", error.message);
         }
     }

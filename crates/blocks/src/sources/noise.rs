@@ -19,16 +19,16 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Record))]
 pub struct Noise {
     /// Sample time $T_s$, positive.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// Standard deviation; its unit is that of the output.
-    #[block(default = None)]
+    #[block(not_negative, default = None)]
     pub std: Option<f64>,
     /// Power spectral density: the square of the unit of the output times s.
-    #[block(default = None)]
+    #[block(not_negative, default = None)]
     pub power: Option<f64>,
     /// Mean value, in the unit of the output.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub mean: f64,
     /// `Gaussian` or `Uniform`.
     #[block(default = Distribution::Gaussian)]
@@ -37,7 +37,7 @@ pub struct Noise {
     #[block(default = 0)]
     pub seed: u32,
     /// Number of elements; each is independent of the others.
-    #[block(default = 1)]
+    #[block(at_least = 1, at_most = MOST_ELEMENTS, default = 1)]
     pub width: usize,
     /// Where the block is in the model.
     #[block(skip)]
@@ -110,29 +110,25 @@ impl Noise {
         let numbers = d[NUMBERS..].iter_mut().enumerate();
         numbers.for_each(|(i, number)| *number = self.standard(self.stream(c.seed, i), sample));
     }
+
+    fn validate(&self, errors: &mut ParamErrors) {
+        match (self.std, self.power) {
+            (None, None) => {
+                let error = ParamError::new("std", "there is neither `std` nor `power`");
+                errors.add(error.help("give the standard deviation, as in `std: \"0.1 V\"`"));
+            }
+            (Some(_), Some(_)) => {
+                let error = ParamError::new("power", "both `std` and `power` are given").beside(&["std"]);
+                errors.add(error.help("leave one of them out: the other follows"));
+            }
+            _ => {}
+        }
+    }
 }
 
 impl Block for Noise {
     fn place(&mut self, path: &str) {
         path.clone_into(&mut self.path);
-    }
-
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)?;
-        match (self.std, self.power) {
-            (Some(std), None) => not_negative("std", std)?,
-            (None, Some(power)) => not_negative("power", power)?,
-            (None, None) => {
-                return Err(ParamError::new("std", "there is neither `std` nor `power`")
-                    .help("give the standard deviation, as in `std: \"0.1 V\"`"));
-            }
-            (Some(_), Some(_)) => {
-                return Err(ParamError::new("power", "both `std` and `power` are given")
-                    .help("leave one of them out: the other follows"));
-            }
-        }
-        finite("mean", self.mean)?;
-        count("width", self.width, 1, MOST_ELEMENTS)
     }
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
@@ -286,7 +282,7 @@ mod tests {
             (Noise { std: Some(-1.0), ..noise() }, "std"),
             (Noise { width: 0, ..noise() }, "width"),
         ] {
-            assert_eq!(block.check().unwrap_err().param, param);
+            assert_eq!(block.errors()[0].param, param);
         }
     }
 }

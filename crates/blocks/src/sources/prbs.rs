@@ -16,19 +16,19 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Pulse))]
 pub struct Prbs {
     /// Sample time, positive: how long each value stands at least.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub ts: f64,
     /// Length $n$ of the register, 2 to 24.
-    #[block(default = 10)]
+    #[block(at_least = 2, at_most = TAPS.len() + 1, default = 10)]
     pub register: usize,
     /// Half the distance of the two values; its unit is that of the output.
-    #[block(default = 1.0)]
+    #[block(finite, default = 1.0)]
     pub amplitude: f64,
     /// Mean of the two values, in the unit of the output.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub bias: f64,
     /// Where in the sequence it begins: the first contents of the register, 1 to $2^n - 1$.
-    #[block(default = 1)]
+    #[block(at_least = 1, default = 1, zero = "a register of zeros stays so for ever")]
     pub start: u32,
 }
 
@@ -59,20 +59,18 @@ const TAPS: [&[u32]; 23] = [
     &[24, 23, 22, 17],
 ];
 
-impl Block for Prbs {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("ts", self.ts)?;
-        count("register", self.register, 2, TAPS.len() + 1)?;
-        finite("amplitude", self.amplitude)?;
-        finite("bias", self.bias)?;
-        let most = (1 << self.register) - 1;
-        if !(1..=most).contains(&self.start) {
+impl Prbs {
+    fn validate(&self, errors: &mut ParamErrors) {
+        if errors.is_right("register") && u64::from(self.start) >= 1 << self.register {
+            let most = (1_u64 << self.register) - 1;
             let message = format!("`start` is {}, but must be from 1 to {most}", self.start);
-            return Err(ParamError::new("start", message).help("a register of zeros stays so for ever"));
+            let error = ParamError::new("start", message);
+            errors.add(error.help(format!("a register of {} bits holds no more", self.register)));
         }
-        Ok(())
     }
+}
 
+impl Block for Prbs {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let parameters = [("amplitude", self.amplitude), ("bias", self.bias)];
         let dimension = crate::math::elements::common_unit(given, &parameters)?;
@@ -162,7 +160,7 @@ mod tests {
             (Prbs { register: 25, ..block.clone() }, "register"),
             (Prbs { ts: 0.0, ..block }, "ts"),
         ] {
-            assert_eq!(block.check().unwrap_err().param, param);
+            assert_eq!(block.errors()[0].param, param);
         }
     }
 }

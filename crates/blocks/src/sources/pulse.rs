@@ -14,16 +14,16 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Pulse))]
 pub struct Pulse {
     /// Height $A$; its unit is that of the output.
-    #[block(default = 1.0)]
+    #[block(finite, default = 1.0)]
     pub amplitude: f64,
     /// Period $T$.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub period: f64,
     /// Share $w$ of the period during which the pulse is on, 0 to 1.
-    #[block(unit = "1")]
+    #[block(unit = "1", at_least = 0.0, at_most = 1.0, remedy = "write 5 percent as 0.05 or \"5 %\"")]
     pub width: f64,
     /// Time $t_0$ of the first rise.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", finite, default = 0.0)]
     pub delay: f64,
 }
 
@@ -49,16 +49,6 @@ impl Pulse {
 }
 
 impl Block for Pulse {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("amplitude", self.amplitude)?;
-        positive("period", self.period)?;
-        if !(0.0..=1.0).contains(&self.width) {
-            let message = format!("`width` is {}, but must be a share from 0 to 1", self.width);
-            return Err(ParamError::new("width", message).help("write 5 percent as 0.05 or \"5 %\""));
-        }
-        finite("delay", self.delay)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let dimension = given.parameters.get("amplitude");
         Ok(Interface::new()
@@ -148,8 +138,8 @@ mod tests {
 
     #[test]
     fn width_is_a_share_and_the_unit_that_of_the_amplitude() {
-        assert_eq!(Pulse { width: 5.0, ..PULSE }.check().unwrap_err().param, "width");
-        assert_eq!(Pulse { period: 0.0, ..PULSE }.check().unwrap_err().param, "period");
+        assert_eq!(Pulse { width: 5.0, ..PULSE }.errors()[0].param, "width");
+        assert_eq!(Pulse { period: 0.0, ..PULSE }.errors()[0].param, "period");
         let y = PULSE.interface(&given(&[], &[("amplitude", "V")])).unwrap().outputs[0].port_type;
         assert_eq!(y.dimension, Some(dimension("V")));
     }

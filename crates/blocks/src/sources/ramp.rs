@@ -12,12 +12,13 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Ramp))]
 pub struct Ramp {
     /// Slope $k$; its unit times s is that of the output.
+    #[block(finite)]
     pub slope: f64,
     /// Time $t_0$ of the kink.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", finite, default = 0.0)]
     pub start: f64,
     /// Value $y_0$ before.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub initial: f64,
 }
 
@@ -38,12 +39,6 @@ impl Ramp {
 }
 
 impl Block for Ramp {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("slope", self.slope)?;
-        finite("start", self.start)?;
-        finite("initial", self.initial)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let output = Output::real("y").dimension(Some(self.dimension(given)?));
         Ok(Interface::new().output(output).time_events())
@@ -91,6 +86,6 @@ mod tests {
 
     #[test]
     fn values_must_be_finite() {
-        assert_eq!(Ramp { slope: f64::NAN, ..RAMP }.check().unwrap_err().param, "slope");
+        assert_eq!(Ramp { slope: f64::NAN, ..RAMP }.errors()[0].param, "slope");
     }
 }

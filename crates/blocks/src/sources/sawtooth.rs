@@ -14,19 +14,25 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Ramp))]
 pub struct Sawtooth {
     /// Least value.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub lower: f64,
     /// Greatest value; its unit is that of the output.
-    #[block(default = 1.0)]
+    #[block(finite, above = lower, default = 1.0)]
     pub upper: f64,
     /// Period $T$.
-    #[block(unit = "s")]
+    #[block(unit = "s", positive)]
     pub period: f64,
     /// Share of the period during which it rises, 0 to 1.
-    #[block(unit = "1", default = 1.0)]
+    #[block(
+        unit = "1",
+        at_least = 0.0,
+        at_most = 1.0,
+        default = 1.0,
+        remedy = "a triangle rises for 0.5 of its period"
+    )]
     pub width: f64,
     /// When the first period begins.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", finite, default = 0.0)]
     pub start: f64,
 }
 
@@ -52,18 +58,6 @@ impl Sawtooth {
 }
 
 impl Block for Sawtooth {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("lower", self.lower)?;
-        finite("upper", self.upper)?;
-        ordered("lower", self.lower, "upper", self.upper)?;
-        positive("period", self.period)?;
-        if !(0.0..=1.0).contains(&self.width) {
-            let message = format!("`width` is {}, but must be a share from 0 to 1", self.width);
-            return Err(ParamError::new("width", message).help("a triangle rises for 0.5 of its period"));
-        }
-        finite("start", self.start)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let dimension = common_unit(given, &[("lower", self.lower), ("upper", self.upper)])?;
         Ok(Interface::new()
@@ -149,7 +143,7 @@ mod tests {
             (Sawtooth { upper: -1.0, ..sawtooth(1.0) }, "upper"),
             (Sawtooth { start: f64::NAN, ..sawtooth(1.0) }, "start"),
         ] {
-            assert_eq!(block.check().unwrap_err().param, param);
+            assert_eq!(block.errors()[0].param, param);
         }
     }
 }

@@ -16,7 +16,7 @@ use blocksim_block::prelude::*;
 /// SignalBuilder(points: [(0, 0), ("1 s", "5 V"), ("3 s", "5 V"), ("3 s", "-2 V"), ("4 s", 0)])
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Sources", symbol = Curve(Record))]
+#[block(category = "Sources", symbol = Curve(Record), builds = SignalBuilder)]
 pub struct SignalBuilder {
     /// Pairs of a time and a value, in the order of time.
     pub points: Vec<(ParamValue, ParamValue)>,
@@ -58,59 +58,58 @@ impl SignalBuilder {
         };
         Course { table, after: self.after, held: self.interpolation == Interpolation::Hold }
     }
-}
 
-impl Block for SignalBuilder {
-    fn load(&mut self, _files: &dyn Files) -> Result<(), LoadError> {
-        self.course = self.course();
-        Ok(())
-    }
-
-    fn check(&self) -> Result<(), ParamError> {
-        let wrong = |i: usize, message: String| Err(ParamError::new(format!("points[{i}]"), message));
+    fn validate(&self, errors: &mut ParamErrors) {
         if self.points.is_empty() {
-            return Err(ParamError::new("points", "there are no points")
-                .help("give pairs of a time and a value: [(0, 0), (\"1 s\", \"5 V\")]"));
+            let error = ParamError::new("points", "there are no points");
+            errors.add(error.help("give pairs of a time and a value: [(0, 0), (\"1 s\", \"5 V\")]"));
         }
         let mut before = f64::NEG_INFINITY;
         let mut values = Vec::new();
         for (i, point) in self.numbers().into_iter().enumerate() {
+            let wrong = |message: String| ParamError::new(format!("points[{i}]"), message);
             let (Some(time), Some(value)) = point else {
                 let (time, value) = &self.points[i];
-                let other = if point.0.is_none() { time } else { value };
-                return wrong(
-                    i,
-                    format!("point {i} contains {}, but must be two numbers", other.0.describe()),
-                );
+                let other = if point.0.is_none() { time } else { value }.0.describe();
+                errors.add(wrong(format!("point {i} contains {other}, but must be two numbers")));
+                continue;
             };
-            let is_time = time.dimension == Dimension::NONE || time.dimension.compatible(TIME);
-            if !is_time {
-                return wrong(i, format!("the time of point {i} is in {}, but must be in s", time.dimension));
+            if time.dimension != Dimension::NONE && !time.dimension.compatible(TIME) {
+                errors
+                    .add(wrong(format!("the time of point {i} is in {}, but must be in s", time.dimension)));
+                continue;
             }
-            finite(&format!("points[{i}]"), time.value)?;
-            finite(&format!("points[{i}]"), value.value)?;
+            if let Some(number) = [time.value, value.value].into_iter().find(|number| !number.is_finite()) {
+                errors.take(finite(&format!("points[{i}]"), number));
+                continue;
+            }
             if time.value < before {
                 let message =
                     format!("point {i} is at {} s, before point {} at {before} s", time.value, i - 1);
-                return wrong(i, message).map_err(|error: ParamError| {
-                    error.help("write the points in the order of time; two of equal time are a jump")
-                });
+                let help = "write the points in the order of time; two of equal time are a jump";
+                errors.add(wrong(message).help(help));
             }
             before = time.value;
             values.push(value);
         }
         if let Err(reason) = common(&values) {
-            return Err(
-                ParamError::new("points", format!("`points` {reason}")).help("give all values the same unit")
-            );
+            let error = ParamError::new("points", format!("`points` {reason}"));
+            errors.add(error.help("give all values the same unit"));
         }
         let times = self.numbers();
         if self.after == After::Cyclic && times.first().map(|p| p.0) == times.last().map(|p| p.0) {
-            return Err(ParamError::new("after", "the points span no time, so there is no cycle"));
+            let error = ParamError::new("after", "the points span no time, so there is no cycle");
+            errors.add(error.beside(&["points"]));
         }
-        Ok(())
     }
 
+    fn build(mut self, _errors: &mut ParamErrors) -> Option<Self> {
+        self.course = self.course();
+        Some(self)
+    }
+}
+
+impl Block for SignalBuilder {
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {
         let dimension = self.course().table.columns[0].1;
         Ok(Course::declare(Interface::new().output(Output::real("y").dimension(Some(dimension))), 1))
@@ -141,20 +140,16 @@ mod tests {
 
     fn builder(points: &[(f64, f64)]) -> SignalBuilder {
         let value = |value: f64| ParamValue(value.into());
-        let mut block = SignalBuilder {
+        SignalBuilder {
             points: points.iter().map(|(time, y)| (value(*time), value(*y))).collect(),
             interpolation: Interpolation::Linear,
             after: After::Hold,
             course: Course::default(),
-        };
-        block.course = block.course();
-        block
+        }
     }
 
     fn at(block: &SignalBuilder, times: &[f64]) -> Vec<f64> {
-        let mut block = block.clone();
-        block.course = block.course();
-        let mut bench = Bench::new(block);
+        let mut bench = Bench::new(block.clone());
         let y = |t: &f64| {
             bench.t = *t;
             bench.major()[0]
@@ -214,7 +209,7 @@ mod tests {
             (mixed("s", "V"), "mixes 1 and V"),
             (SignalBuilder { after: After::Cyclic, ..builder(&[(1.0, 0.0), (1.0, 2.0)]) }, "no cycle"),
         ] {
-            let error = block.check().unwrap_err();
+            let error = &block.errors()[0];
             assert!(error.message.contains(what), "{}", error.message);
         }
     }

@@ -10,27 +10,20 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Sine))]
 pub struct Sine {
     /// Amplitude $A$; its unit is that of the output.
-    #[block(default = 1.0)]
+    #[block(finite, default = 1.0)]
     pub amplitude: f64,
     /// Frequency $f$.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", not_negative)]
     pub frequency: f64,
     /// Phase $\varphi$ at time 0.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub phase: f64,
     /// Mean value $b$.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub bias: f64,
 }
 
 impl Block for Sine {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("amplitude", self.amplitude)?;
-        not_negative("frequency", self.frequency)?;
-        finite("phase", self.phase)?;
-        finite("bias", self.bias)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let dimension = common_unit(given, &[("amplitude", self.amplitude), ("bias", self.bias)])?;
         Ok(Interface::new().output(Output::real("y").dimension(Some(dimension))).period(1.0 / self.frequency))
@@ -78,6 +71,6 @@ mod tests {
 
     #[test]
     fn a_negative_frequency_is_refused() {
-        assert_eq!(Sine { frequency: -1.0, ..MAINS }.check().unwrap_err().param, "frequency");
+        assert_eq!(Sine { frequency: -1.0, ..MAINS }.errors()[0].param, "frequency");
     }
 }

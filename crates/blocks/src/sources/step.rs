@@ -12,23 +12,17 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Step))]
 pub struct Step {
     /// When it happens.
-    #[block(unit = "s", default = 0.0)]
+    #[block(unit = "s", finite, default = 0.0)]
     pub time: f64,
     /// Value before.
-    #[block(default = 0.0)]
+    #[block(finite, default = 0.0)]
     pub before: f64,
     /// Value after; its unit is that of the output.
-    #[block(default = 1.0)]
+    #[block(finite, default = 1.0)]
     pub after: f64,
 }
 
 impl Block for Step {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("time", self.time)?;
-        finite("before", self.before)?;
-        finite("after", self.after)
-    }
-
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let dimension = common_unit(given, &[("before", self.before), ("after", self.after)])?;
         Ok(Interface::new()
@@ -86,7 +80,7 @@ mod tests {
 
     #[test]
     fn values_must_be_finite() {
-        assert_eq!(Step { after: f64::NAN, ..STEP }.check().unwrap_err().param, "after");
-        assert_eq!(Step { time: f64::INFINITY, ..STEP }.check().unwrap_err().param, "time");
+        assert_eq!(Step { after: f64::NAN, ..STEP }.errors()[0].param, "after");
+        assert_eq!(Step { time: f64::INFINITY, ..STEP }.errors()[0].param, "time");
     }
 }

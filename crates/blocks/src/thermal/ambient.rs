@@ -13,18 +13,8 @@ const GIVEN: Handle = Handle::new("given");
 #[block(category = "Thermal", symbol = Value("t"))]
 pub struct Ambient {
     /// Temperature, not below absolute zero.
-    #[block(unit = "K", default = 293.15)]
+    #[block(unit = "K", not_negative, default = 293.15)]
     pub t: f64,
-}
-
-impl Block for Ambient {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("t", self.t)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for Ambient {
@@ -51,7 +41,7 @@ mod tests {
 
     #[test]
     fn nothing_is_colder_than_absolute_zero() {
-        assert_eq!(Ambient { t: -1.0 }.check().unwrap_err().param, "t");
-        assert_eq!(Ambient { t: 0.0 }.check(), Ok(()));
+        assert_eq!(Ambient { t: -1.0 }.errors()[0].param, "t");
+        assert_eq!(Ambient { t: 0.0 }.errors()[..], []);
     }
 }

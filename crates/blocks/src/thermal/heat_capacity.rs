@@ -16,25 +16,11 @@ const BODY: Handle = Handle::new("body");
 #[block(category = "Thermal", symbol = Capacitor)]
 pub struct HeatCapacity {
     /// Heat capacity, positive: mass times specific heat capacity.
-    #[block(unit = "J/K")]
+    #[block(unit = "J/K", positive, zero = "without heat capacity it stores nothing: leave it out")]
     pub c: f64,
     /// Temperature at the start. Where none is given it follows from given temperatures at the same node, else it is 20 degC.
-    #[block(unit = "K", default = None)]
+    #[block(unit = "K", not_negative, default = None)]
     pub t0: Option<f64>,
-}
-
-impl Block for HeatCapacity {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("c", self.c).map_err(|error| match self.c {
-            0.0 => error.help("without heat capacity it stores nothing: leave it out"),
-            _ => error,
-        })?;
-        not_negative("t0", self.t0.unwrap_or(0.0))
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for HeatCapacity {
@@ -83,7 +69,7 @@ mod tests {
 
     #[test]
     fn capacities_that_are_none_are_refused() {
-        assert!(HeatCapacity { c: 0.0, t0: None }.check().unwrap_err().help.is_some());
-        assert_eq!(HeatCapacity { c: 1.0, t0: Some(-3.0) }.check().unwrap_err().param, "t0");
+        assert!(HeatCapacity { c: 0.0, t0: None }.errors()[0].help.is_some());
+        assert_eq!(HeatCapacity { c: 1.0, t0: Some(-3.0) }.errors()[0].param, "t0");
     }
 }

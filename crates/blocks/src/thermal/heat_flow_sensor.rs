@@ -13,12 +13,6 @@ const PROBE: Handle = Handle::new("probe");
 #[block(category = "Thermal", symbol = Meter("q"))]
 pub struct HeatFlowSensor;
 
-impl Block for HeatFlowSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for HeatFlowSensor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

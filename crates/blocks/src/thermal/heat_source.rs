@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Thermal", symbol = MotionSource("q"))]
 pub struct HeatSource;
 
-impl Block for HeatSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for HeatSource {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -13,12 +13,6 @@ const PROBE: Handle = Handle::new("probe");
 #[block(category = "Thermal", symbol = Meter("T"))]
 pub struct TemperatureSensor;
 
-impl Block for TemperatureSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for TemperatureSensor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Thermal", symbol = MotionSource("T"))]
 pub struct TemperatureSource;
 
-impl Block for TemperatureSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for TemperatureSource {
     fn part(&self, _given: &Given) -> Part {
         Part::new()

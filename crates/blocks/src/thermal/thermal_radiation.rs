@@ -24,25 +24,11 @@ const GUESS: f64 = 293.15;
 #[block(category = "Thermal", symbol = Text("εσT⁴"))]
 pub struct ThermalRadiation {
     /// Area, positive.
-    #[block(unit = "m^2")]
+    #[block(unit = "m^2", positive)]
     pub area: f64,
     /// Emissivity of the exchange, above 0 and at most 1.
+    #[block(positive, at_most = 1.0, remedy = "1 is that of a black body")]
     pub emissivity: f64,
-}
-
-impl Block for ThermalRadiation {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("area", self.area)?;
-        positive("emissivity", self.emissivity)?;
-        if self.emissivity > 1.0 {
-            return Err(ParamError::new("emissivity", "must be at most 1, that of a black body"));
-        }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for ThermalRadiation {
@@ -102,7 +88,7 @@ mod tests {
 
     #[test]
     fn more_than_black_is_refused() {
-        assert_eq!(ThermalRadiation { emissivity: 1.1, ..BLACK }.check().unwrap_err().param, "emissivity");
-        assert_eq!(ThermalRadiation { area: 0.0, ..BLACK }.check().unwrap_err().param, "area");
+        assert_eq!(ThermalRadiation { emissivity: 1.1, ..BLACK }.errors()[0].param, "emissivity");
+        assert_eq!(ThermalRadiation { area: 0.0, ..BLACK }.errors()[0].param, "area");
     }
 }

@@ -17,23 +17,12 @@ const BODY: Handle = Handle::new("body");
 #[block(category = "Thermal", symbol = Resistor)]
 pub struct ThermalResistance {
     /// Thermal resistance, positive: for zero join the ports, for infinity leave it out.
-    #[block(unit = "K/W")]
+    #[block(
+        unit = "K/W",
+        positive,
+        zero = "without resistance both sides have one temperature: join the two nodes instead"
+    )]
     pub r: f64,
-}
-
-impl Block for ThermalResistance {
-    fn check(&self) -> Result<(), ParamError> {
-        positive("r", self.r).map_err(|error| match self.r {
-            0.0 => {
-                error.help("without resistance both sides have one temperature: join the two nodes instead")
-            }
-            _ => error,
-        })
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for ThermalResistance {
@@ -56,7 +45,7 @@ mod tests {
 
     #[test]
     fn resistances_that_are_none_are_refused() {
-        assert!(ThermalResistance { r: 0.0 }.check().unwrap_err().help.is_some());
-        assert_eq!(ThermalResistance { r: f64::INFINITY }.check().unwrap_err().param, "r");
+        assert!(ThermalResistance { r: 0.0 }.errors()[0].help.is_some());
+        assert_eq!(ThermalResistance { r: f64::INFINITY }.errors()[0].param, "r");
     }
 }

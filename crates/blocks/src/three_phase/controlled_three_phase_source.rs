@@ -15,12 +15,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Three-phase", symbol = AcSource)]
 pub struct ControlledThreePhaseSource;
 
-impl Block for ControlledThreePhaseSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for ControlledThreePhaseSource {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new()

@@ -11,12 +11,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Three-phase", symbol = Star)]
 pub struct FloatingNeutral;
 
-impl Block for FloatingNeutral {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for FloatingNeutral {
     fn part(&self, _given: &Given) -> Part {
         let joined = |k| Element::Junction { p: Pin::Phase(0, k), n: Pin::Phase(0, k + 1) };

@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Three-phase", symbol = Ground)]
 pub struct GroundedNeutral;
 
-impl Block for GroundedNeutral {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for GroundedNeutral {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new().port("ac", Domain::ThreePhase, "what is joined in the star point");

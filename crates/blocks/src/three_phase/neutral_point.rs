@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Three-phase", symbol = Star)]
 pub struct NeutralPoint;
 
-impl Block for NeutralPoint {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for NeutralPoint {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new().port("ac", Domain::ThreePhase, "what is joined in the star point").port(

@@ -13,12 +13,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Three-phase", symbol = Text("abc → bca"))]
 pub struct PhasePermute;
 
-impl Block for PhasePermute {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for PhasePermute {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new().port("ac1", Domain::ThreePhase, "phases a, b, c").port(

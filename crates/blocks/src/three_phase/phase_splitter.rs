@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Three-phase", symbol = Phases)]
 pub struct PhaseSplitter;
 
-impl Block for PhaseSplitter {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for PhaseSplitter {
     fn part(&self, _given: &Given) -> Part {
         let part = Part::new()

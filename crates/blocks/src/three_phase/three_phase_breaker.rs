@@ -16,10 +16,10 @@ use crate::power_electronics::valve::Valve;
 #[block(category = "Three-phase", symbol = Contact)]
 pub struct ThreePhaseBreaker {
     /// Resistance of a closed contact.
-    #[block(unit = "Ohm", default = 0.01)]
+    #[block(unit = "Ohm", not_negative, default = 0.01)]
     pub r_on: f64,
     /// Conductance of an open contact; zero cuts the phase.
-    #[block(unit = "S", default = 0.0)]
+    #[block(unit = "S", not_negative, default = 0.0)]
     pub g_off: f64,
     /// `AtZeroCurrent` or `AtOnce`.
     #[block(default = Opening::AtZeroCurrent)]
@@ -54,15 +54,9 @@ impl ThreePhaseBreaker {
             }
         }
     }
-}
 
-impl Block for ThreePhaseBreaker {
-    fn check(&self) -> Result<(), ParamError> {
-        self.valve().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.valve().validate(errors);
     }
 }
 

@@ -10,12 +10,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Three-phase", symbol = Meter("A"))]
 pub struct ThreePhaseCurrentSensor;
 
-impl Block for ThreePhaseCurrentSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for ThreePhaseCurrentSensor {
     fn part(&self, _given: &Given) -> Part {
         let i = Output::real("i").shape(Shape::Vector(3)).unit("A").doc("currents a, b, c from ac1 to ac2");

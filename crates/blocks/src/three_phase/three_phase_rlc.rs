@@ -16,21 +16,21 @@ use blocksim_block::prelude::*;
 #[block(category = "Three-phase", symbol = Text("R L C"))]
 pub struct ThreePhaseRlc {
     /// Resistance of a phase; zero for none.
-    #[block(unit = "Ohm", default = 0.0)]
+    #[block(unit = "Ohm", not_negative, default = 0.0)]
     pub r: f64,
     /// Inductance of a phase; zero for none.
-    #[block(unit = "H", default = 0.0)]
+    #[block(unit = "H", not_negative, default = 0.0)]
     pub l: f64,
     /// Capacitance of a phase; without it the current passes.
-    #[block(unit = "F", default = None)]
+    #[block(unit = "F", positive, default = None, remedy = "leave `c` out where there is no capacitor")]
     pub c: Option<f64>,
     /// Currents of the inductances at the start. Where none are given they follow from the inductances in series with them, else
     /// zero.
-    #[block(unit = "A", default = None)]
+    #[block(unit = "A", finite, default = None)]
     pub i0: Option<[f64; 3]>,
     /// Voltages of the capacitances at the start. Where none are given they follow from ideal voltages around them,
     /// else zero.
-    #[block(unit = "V", default = None)]
+    #[block(unit = "V", finite, default = None)]
     pub v0: Option<[f64; 3]>,
 }
 
@@ -52,34 +52,20 @@ impl ThreePhaseRlc {
     fn first_voltage(&self) -> usize {
         3 * self.windings()
     }
-}
 
-impl Block for ThreePhaseRlc {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("r", self.r)?;
-        not_negative("l", self.l)?;
-        if let Some(c) = self.c {
-            positive("c", c).map_err(|error| error.help("leave `c` out where there is no capacitor"))?;
-        }
-        self.i0.iter().flatten().try_for_each(|i| finite("i0", *i))?;
-        self.v0.iter().flatten().try_for_each(|v| finite("v0", *v))?;
+    fn validate(&self, errors: &mut ParamErrors) {
         if self.count() == 0 {
-            return Err(ParamError::new("r", "`r` and `l` are zero, and there is no `c`: this is a wire")
-                .help("join the two ports instead"));
+            let message = "`r` and `l` are zero, and there is no `c`: this is a wire";
+            errors.add(ParamError::new("r", message).beside(&["l"]).help("join the two ports instead"));
         }
         if self.l == 0.0 && self.i0.is_some() {
-            return Err(ParamError::new("i0", "`i0` is given, but without `l` no current is a state")
-                .help("leave `i0` out, or give `l`"));
+            let error = ParamError::new("i0", "`i0` is given, but without `l` no current is a state");
+            errors.add(error.help("leave `i0` out, or give `l`"));
         }
         if self.c.is_none() && self.v0.is_some() {
-            return Err(ParamError::new("v0", "`v0` is given, but without `c` no voltage is a state")
-                .help("leave `v0` out, or give `c`"));
+            let error = ParamError::new("v0", "`v0` is given, but without `c` no voltage is a state");
+            errors.add(error.help("leave `v0` out, or give `c`"));
         }
-        Ok(())
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 
@@ -188,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_wire_and_start_values_of_nothing_are_refused() {
-        let refused = |rlc: ThreePhaseRlc| rlc.check().unwrap_err();
+        let refused = |rlc: ThreePhaseRlc| rlc.errors()[0].clone();
         assert!(refused(ThreePhaseRlc { r: 0.0, l: 0.0, ..LINE }).help.is_some());
         assert_eq!(refused(ThreePhaseRlc { l: 0.0, i0: Some([1.0, -1.0, 0.0]), ..LINE }).param, "i0");
         assert_eq!(refused(ThreePhaseRlc { v0: Some([1.0, 0.0, 0.0]), ..LINE }).param, "v0");

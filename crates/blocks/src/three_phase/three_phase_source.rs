@@ -19,13 +19,13 @@ use blocksim_block::prelude::*;
 #[block(category = "Three-phase", symbol = AcSource)]
 pub struct ThreePhaseSource {
     /// RMS voltage from line to line.
-    #[block(unit = "V")]
+    #[block(unit = "V", not_negative)]
     pub voltage: f64,
     /// Frequency; negative for the sequence a, c, b.
-    #[block(unit = "Hz")]
+    #[block(unit = "Hz", finite)]
     pub frequency: f64,
     /// Angle of phase a at the start.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(unit = "rad", finite, default = 0.0)]
     pub phase: f64,
     /// Star point: `Grounded` or `Floating`.
     #[block(default = Neutral::Grounded)]
@@ -40,18 +40,6 @@ pub enum Neutral {
     Grounded,
     /// Connected to nothing: the three currents add up to zero.
     Floating,
-}
-
-impl Block for ThreePhaseSource {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("voltage", self.voltage)?;
-        finite("frequency", self.frequency)?;
-        finite("phase", self.phase)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for ThreePhaseSource {

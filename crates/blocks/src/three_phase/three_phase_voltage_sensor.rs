@@ -13,12 +13,6 @@ use blocksim_block::prelude::*;
 #[block(category = "Three-phase", symbol = Meter("V"))]
 pub struct ThreePhaseVoltageSensor;
 
-impl Block for ThreePhaseVoltageSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for ThreePhaseVoltageSensor {
     fn part(&self, _given: &Given) -> Part {
         let three = |name: &str| Output::real(name).shape(Shape::Vector(3)).unit("V");

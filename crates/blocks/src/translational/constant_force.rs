@@ -13,18 +13,8 @@ use crate::mechanics::quantities::{TRANSLATION, undamped};
 #[block(category = "Translational", symbol = Force)]
 pub struct ConstantForce {
     /// Force on `r`.
-    #[block(unit = "N")]
+    #[block(unit = "N", finite)]
     pub f: f64,
-}
-
-impl Block for ConstantForce {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("f", self.f)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for ConstantForce {
@@ -47,6 +37,6 @@ mod tests {
 
     #[test]
     fn an_infinite_force_is_refused() {
-        assert_eq!(ConstantForce { f: f64::INFINITY }.check().unwrap_err().param, "f");
+        assert_eq!(ConstantForce { f: f64::INFINITY }.errors()[0].param, "f");
     }
 }

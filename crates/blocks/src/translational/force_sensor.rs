@@ -11,12 +11,6 @@ use crate::mechanics::quantities::TRANSLATION;
 #[block(category = "Translational", symbol = Sensor("F"))]
 pub struct ForceSensor;
 
-impl Block for ForceSensor {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for ForceSensor {
     fn part(&self, _given: &Given) -> Part {
         TRANSLATION.load_sensor()

@@ -11,12 +11,6 @@ use crate::mechanics::quantities::{TRANSLATION, undamped};
 #[block(category = "Translational", symbol = Force)]
 pub struct IdealForceSource;
 
-impl Block for IdealForceSource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for IdealForceSource {
     fn part(&self, _given: &Given) -> Part {
         TRANSLATION.effort_source()

@@ -14,12 +14,6 @@ use crate::mechanics::quantities::TRANSLATION;
 #[block(category = "Translational", symbol = MotionSource("v"))]
 pub struct IdealVelocitySource;
 
-impl Block for IdealVelocitySource {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for IdealVelocitySource {
     fn part(&self, _given: &Given) -> Part {
         TRANSLATION.speed_source()

@@ -5,7 +5,7 @@ use blocksim_block::prelude::*;
 
 use crate::gears::mesh::{Direction, Loss, Mesh, Onset};
 
-use super::converter::{lead, self_locking};
+use super::converter::self_locking;
 
 /// Screw (`base`, turns) and nut (`follower`, slides): $v_F = \pm \frac{l}{2\pi} w_B$ with the lead $l$.
 ///
@@ -26,16 +26,20 @@ use super::converter::{lead, self_locking};
 #[block(category = "Translational", symbol = Screw)]
 pub struct LeadScrew {
     /// Way $l$ of the nut in one turn of the screw.
-    #[block(unit = "m")]
+    #[block(
+        unit = "m",
+        positive,
+        remedy = "the direction of the follower is set by `direction: Same` or `Reversed`"
+    )]
     pub lead: f64,
     /// `Same`: the nut moves forward while the base turns in the positive sense; or `Reversed`.
     #[block(default = Direction::Same)]
     pub direction: Direction,
     /// Efficiency when the screw drives the nut, above 0 and at most 1.
-    #[block(default = 1.0)]
+    #[block(positive, at_most = 1.0, default = 1.0, remedy = "1 means no losses")]
     pub efficiency_forward: f64,
     /// Efficiency when the nut drives the screw, at most 1; zero or less, for a screw that locks itself, with `Stiction`.
-    #[block(default = 1.0)]
+    #[block(finite, at_most = 1.0, default = 1.0, remedy = "1 means no losses")]
     pub efficiency_backward: f64,
     /// How losses set in.
     #[block(group)]
@@ -50,26 +54,15 @@ impl LeadScrew {
             onset: self.onset,
         }
     }
-}
 
-impl Block for LeadScrew {
-    fn check(&self) -> Result<(), ParamError> {
-        lead(self.lead)?;
-        let locks = self.efficiency_backward <= 0.0 && self.efficiency_backward.is_finite();
-        if !locks {
-            return self.mesh().check();
+    fn validate(&self, errors: &mut ParamErrors) {
+        let locks = self.efficiency_backward <= 0.0;
+        if locks && self.onset.loss != Loss::Stiction {
+            let fact = format!("`efficiency_backward` is {}", self.efficiency_backward);
+            errors.add(self_locking("efficiency_backward", fact));
         }
-        if self.onset.loss != Loss::Stiction {
-            return Err(self_locking(
-                "efficiency_backward",
-                format!("`efficiency_backward` is {}", self.efficiency_backward),
-            ));
-        }
-        Mesh { backward: ("efficiency_backward", 1.0), ..self.mesh() }.check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+        let backward = if locks { 1.0 } else { self.efficiency_backward };
+        Mesh { backward: ("efficiency_backward", backward), ..self.mesh() }.validate(errors);
     }
 }
 
@@ -102,25 +95,25 @@ mod tests {
     #[test]
     fn a_screw_that_locks_itself_is_refused_with_a_way_out() {
         for efficiency_backward in [0.0, -0.3] {
-            let error = LeadScrew { efficiency_backward, ..SCREW }.check().unwrap_err();
+            let error = LeadScrew { efficiency_backward, ..SCREW }.errors()[0].clone();
             assert_eq!(error.param, "efficiency_backward");
             assert!(error.message.contains("locks itself"), "{}", error.message);
             assert!(error.help.is_some());
         }
-        assert_eq!(SCREW.check(), Ok(()));
+        assert_eq!(SCREW.errors()[..], []);
         let locks = LeadScrew {
             efficiency_backward: -0.3,
             onset: Onset { loss: Loss::Stiction, ..Onset::DEFAULT },
             ..SCREW
         };
-        assert_eq!(locks.check(), Ok(()));
+        assert_eq!(locks.errors()[..], []);
         let endless = LeadScrew { efficiency_backward: f64::NEG_INFINITY, ..locks };
-        assert_eq!(endless.check().unwrap_err().param, "efficiency_backward");
+        assert_eq!(endless.errors()[0].param, "efficiency_backward");
     }
 
     #[test]
     fn a_lead_against_the_direction_is_refused() {
-        let error = LeadScrew { lead: -0.01, ..SCREW }.check().unwrap_err();
+        let error = LeadScrew { lead: -0.01, ..SCREW }.errors()[0].clone();
         assert_eq!(error.param, "lead");
         assert!(error.help.is_some_and(|help| help.contains("direction")));
     }

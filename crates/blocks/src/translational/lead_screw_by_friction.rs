@@ -1,11 +1,10 @@
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::sync::OnceLock;
 
 use blocksim_block::prelude::*;
 
 use crate::gears::{Direction, Loss, Onset};
 
-use super::converter::{lead, self_locking};
+use super::converter::self_locking;
 use super::lead_screw::LeadScrew;
 
 /// A `LeadScrew` described by its thread and friction instead of efficiencies.
@@ -26,18 +25,26 @@ use super::lead_screw::LeadScrew;
 /// Source: the torque on a power screw of the textbooks of machine elements, for lead angles that are small against
 /// 90 degrees.
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational", symbol = Screw)]
+#[block(category = "Translational", symbol = Screw, builds = LeadScrew)]
 pub struct LeadScrewByFriction {
     /// Way $l$ of the nut in one turn of the screw.
-    #[block(unit = "m")]
+    #[block(
+        unit = "m",
+        positive,
+        remedy = "the direction of the follower is set by `direction: Same` or `Reversed`"
+    )]
     pub lead: f64,
     /// Pitch diameter $d$ of the thread.
-    #[block(unit = "m")]
+    #[block(unit = "m", positive)]
     pub diameter: f64,
     /// Coefficient of friction $\mu$ between the flanks.
+    #[block(not_negative)]
     pub friction: f64,
     /// Angle $\alpha$ of the flanks: half the angle of the thread, 15 degrees for a trapezoidal one, zero for a square one.
-    #[block(unit = "rad", default = 0.0)]
+    #[block(
+        unit = "rad", at_least = 0.0, below = FRAC_PI_2, default = 0.0,
+        remedy = "write half the angle of the thread: 15 deg for a trapezoidal one, 30 deg for a metric one",
+    )]
     pub flank_angle: f64,
     /// `Same`: the nut moves forward while the base turns in the positive sense; or `Reversed`.
     #[block(default = Direction::Same)]
@@ -45,9 +52,6 @@ pub struct LeadScrewByFriction {
     /// How losses set in.
     #[block(group)]
     pub onset: Onset,
-    /// The screw that follows, worked out when it is first used.
-    #[block(skip)]
-    pub screw: OnceLock<LeadScrew>,
 }
 
 impl LeadScrewByFriction {
@@ -64,55 +68,37 @@ impl LeadScrewByFriction {
     }
 
     /// The screw that follows.
-    pub fn screw(&self) -> &LeadScrew {
-        self.screw.get_or_init(|| {
-            let Self { lead, direction, onset, .. } = *self;
-            let (efficiency_forward, efficiency_backward) = self.efficiencies();
-            LeadScrew { lead, direction, efficiency_forward, efficiency_backward, onset }
-        })
+    fn screw(&self) -> LeadScrew {
+        let Self { lead, direction, onset, .. } = *self;
+        let (efficiency_forward, efficiency_backward) = self.efficiencies();
+        LeadScrew { lead, direction, efficiency_forward, efficiency_backward, onset }
     }
-}
 
-impl Block for LeadScrewByFriction {
-    fn check(&self) -> Result<(), ParamError> {
-        lead(self.lead)?;
-        positive("diameter", self.diameter)?;
-        not_negative("friction", self.friction)?;
-        if !(self.flank_angle >= 0.0 && self.flank_angle < FRAC_PI_2) {
-            return Err(ParamError::new(
-                "flank_angle",
-                format!("`flank_angle` is {} rad, but flanks lie between 0 and 90 degrees", self.flank_angle),
-            )
-            .help(
-                "write half the angle of the thread: 15 deg for a trapezoidal one, 30 deg for a metric one",
-            ));
-        }
+    fn validate(&self, errors: &mut ParamErrors) {
         let (lambda, rho) = self.angles();
+        let others = ["lead", "diameter", "flank_angle"];
         if rho >= lambda && self.onset.loss != Loss::Stiction {
-            return Err(self_locking(
-                "friction",
-                format!(
-                    "the friction angle ({:.2} deg) is not below the lead angle ({:.2} deg)",
-                    rho.to_degrees(),
-                    lambda.to_degrees()
-                ),
-            ));
+            let [rho, lambda] = [rho, lambda].map(f64::to_degrees);
+            let fact =
+                format!("the friction angle ({rho:.2} deg) is not below the lead angle ({lambda:.2} deg)");
+            errors.add(self_locking("friction", fact).beside(&others));
         }
         if lambda + rho >= FRAC_PI_2 {
-            return Err(ParamError::new(
-                "friction",
-                format!(
-                    "lead angle and friction angle make {:.2} deg together, so no torque at the screw moves the nut",
-                    (lambda + rho).to_degrees()
-                ),
-            )
-            .help("take a shorter `lead` or less `friction`"));
+            let message = format!(
+                "lead angle and friction angle make {:.2} deg together, so no torque at the screw moves the nut",
+                (lambda + rho).to_degrees()
+            );
+            let error = ParamError::new("friction", message).beside(&others);
+            errors.add(error.help("take a shorter `lead` or less `friction`"));
         }
-        self.screw().check().map_err(|error| ParamError { param: "friction".to_owned(), ..error })
     }
 
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self.screw())
+    fn build(self, errors: &mut ParamErrors) -> Option<LeadScrew> {
+        let screw = self.screw();
+        for error in screw.errors() {
+            errors.add(ParamError { param: "friction".to_owned(), ..error });
+        }
+        Some(screw)
     }
 }
 
@@ -128,7 +114,6 @@ mod tests {
             flank_angle,
             direction: Direction::Same,
             onset: Onset::DEFAULT,
-            screw: OnceLock::new(),
         }
     }
 
@@ -141,23 +126,23 @@ mod tests {
         let (forward, backward) = screw(0.01, 0.08, 0.0).efficiencies();
         assert!((forward - up).abs() < 1e-15 && (backward - down).abs() < 1e-14, "{forward}, {backward}");
         let ideal = screw(0.01, 0.0, 0.0);
-        assert!((ideal.efficiencies().0 - 1.0).abs() < 1e-15 && ideal.check() == Ok(()));
+        assert!((ideal.efficiencies().0 - 1.0).abs() < 1e-15 && ideal.try_build().is_ok());
         let pointed = screw(0.01, 0.08, 0.5);
         assert!(pointed.efficiencies().0 < forward, "steeper flanks are pressed harder");
     }
 
     #[test]
     fn screws_that_nothing_moves_or_no_load_drives_are_refused() {
-        let locks = screw(0.004, 0.08, 0.0).check().unwrap_err();
+        let locks = screw(0.004, 0.08, 0.0).errors()[0].clone();
         assert_eq!(locks.param, "friction");
         assert!(locks.message.contains("locks itself") && locks.help.is_some(), "{}", locks.message);
         let onset = Onset { loss: Loss::Stiction, ..Onset::DEFAULT };
         let holds = LeadScrewByFriction { onset, ..screw(0.004, 0.08, 0.0) };
-        assert_eq!(holds.check(), Ok(()));
-        let steep = screw(0.2, 0.5, 0.0).check().unwrap_err();
+        assert_eq!(holds.errors()[..], []);
+        let steep = screw(0.2, 0.5, 0.0).errors().last().unwrap().clone();
         assert!(steep.message.contains("no torque"), "{}", steep.message);
-        let flat = screw(0.01, 0.08, 2.0).check().unwrap_err();
+        let flat = screw(0.01, 0.08, 2.0).errors()[0].clone();
         assert_eq!(flat.param, "flank_angle");
-        assert_eq!(screw(0.01, 0.08, 0.26).check(), Ok(()));
+        assert_eq!(screw(0.01, 0.08, 0.26).errors()[..], []);
     }
 }

@@ -1,7 +1,6 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::quantities::{TRANSLATION, show_inertia};
-use crate::multibody::axis::finite_start;
 
 /// A mass that slides: $F = m \dot v$, against an implied ground.
 ///
@@ -16,22 +15,11 @@ use crate::multibody::axis::finite_start;
 #[block(category = "Translational", symbol = Mass)]
 pub struct Mass {
     /// Mass; zero is allowed where something else gives the part its mass.
-    #[block(unit = "kg")]
+    #[block(unit = "kg", not_negative)]
     pub m: f64,
     /// Velocity at the start. Where none is given it is that of the parts it is coupled to, else zero.
-    #[block(unit = "m/s", default = None)]
+    #[block(unit = "m/s", finite, default = None)]
     pub v0: Option<f64>,
-}
-
-impl Block for Mass {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("m", self.m)?;
-        finite_start("v0", self.v0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for Mass {
@@ -50,7 +38,7 @@ mod tests {
 
     #[test]
     fn a_negative_mass_is_refused() {
-        assert_eq!(Mass { m: -1.0, v0: None }.check().unwrap_err().param, "m");
-        assert_eq!(Mass { m: 0.0, v0: None }.check(), Ok(()));
+        assert_eq!(Mass { m: -1.0, v0: None }.errors()[0].param, "m");
+        assert_eq!(Mass { m: 0.0, v0: None }.errors()[..], []);
     }
 }

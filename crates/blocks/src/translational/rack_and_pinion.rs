@@ -3,8 +3,6 @@ use blocksim_block::prelude::*;
 
 use crate::gears::mesh::{BothWays, Direction};
 
-use super::converter::radius;
-
 /// Pinion (`base`, turns) and rack (`follower`, slides): $v_F = \pm r\, w_B$.
 ///
 /// The pinion feels the force of the rack as the torque $r F$ and a mass on the rack as the moment of inertia $m r^2$.
@@ -18,7 +16,11 @@ use super::converter::radius;
 #[block(category = "Translational", symbol = Rack)]
 pub struct RackAndPinion {
     /// Radius $r$ of the pitch circle of the pinion.
-    #[block(unit = "m")]
+    #[block(
+        unit = "m",
+        positive,
+        remedy = "the direction of the follower is set by `direction: Same` or `Reversed`"
+    )]
     pub radius: f64,
     /// `Same`: the rack moves forward while the base turns in the positive sense; or `Reversed`.
     #[block(default = Direction::Same)]
@@ -26,17 +28,6 @@ pub struct RackAndPinion {
     /// Its losses.
     #[block(group)]
     pub losses: BothWays,
-}
-
-impl Block for RackAndPinion {
-    fn check(&self) -> Result<(), ParamError> {
-        radius(self.radius)?;
-        self.losses.mesh().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for RackAndPinion {

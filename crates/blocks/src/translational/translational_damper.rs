@@ -11,21 +11,11 @@ use crate::mechanics::quantities::{TRANSLATION, show_speed};
 #[block(category = "Translational", symbol = Damper)]
 pub struct TranslationalDamper {
     /// Damping coefficient; zero is allowed.
-    #[block(unit = "N*s/m")]
+    #[block(unit = "N*s/m", not_negative)]
     pub d: f64,
     /// Has the thermal port `h`, by which the heat of all losses leaves.
     #[block(default = false)]
     pub heat_port: bool,
-}
-
-impl Block for TranslationalDamper {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("d", self.d)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for TranslationalDamper {
@@ -52,6 +42,6 @@ mod tests {
 
     #[test]
     fn a_negative_coefficient_is_refused() {
-        assert_eq!(TranslationalDamper { d: -1.0, heat_port: false }.check().unwrap_err().param, "d");
+        assert_eq!(TranslationalDamper { d: -1.0, heat_port: false }.errors()[0].param, "d");
     }
 }

@@ -28,16 +28,19 @@ use crate::mechanics::stribeck::Stribeck;
 #[block(category = "Translational", symbol = Friction)]
 pub struct TranslationalFriction {
     /// Breakaway force $F_b$, at least the Coulomb force.
-    #[block(unit = "N")]
+    #[block(
+        unit = "N", finite, at_least = coulomb,
+        remedy = "without a Stribeck effect write the same value for `breakaway` and `coulomb`",
+    )]
     pub breakaway: f64,
     /// Breakaway velocity $v_b$: velocity of the largest friction of the smooth curve.
-    #[block(unit = "m/s")]
+    #[block(unit = "m/s", not_negative)]
     pub breakaway_velocity: f64,
     /// Coulomb force $F_C$.
-    #[block(unit = "N")]
+    #[block(unit = "N", not_negative)]
     pub coulomb: f64,
     /// Viscous coefficient $f$.
-    #[block(unit = "N*s/m", default = 0.0)]
+    #[block(unit = "N*s/m", not_negative, default = 0.0)]
     pub viscous: f64,
     /// `Smooth` or `Stiction`.
     #[block(default = FrictionModel::Smooth)]
@@ -52,15 +55,9 @@ impl TranslationalFriction {
         let Self { breakaway, breakaway_velocity, coulomb, viscous, model, .. } = *self;
         Stribeck { breakaway, breakaway_velocity, coulomb, viscous, model }
     }
-}
 
-impl Block for TranslationalFriction {
-    fn check(&self) -> Result<(), ParamError> {
-        self.law().check()
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.law().validate(errors);
     }
 }
 

@@ -19,22 +19,25 @@ use crate::multibody::joint_limit::JointLimit;
 #[block(category = "Translational", symbol = HardStop)]
 pub struct TranslationalHardStop {
     /// Least position without contact.
-    #[block(unit = "m", default = -0.1)]
+    #[block(unit = "m", finite, default = -0.1)]
     pub lower: f64,
     /// Largest position without contact.
-    #[block(unit = "m", default = 0.1)]
+    #[block(unit = "m", finite, above = lower, default = 0.1)]
     pub upper: f64,
     /// Stiffness $k$ of both ends.
-    #[block(unit = "N/m", default = 1e6)]
+    #[block(unit = "N/m", not_negative, default = 1e6)]
     pub stiffness: f64,
     /// Damping $d$ of both ends.
-    #[block(unit = "N*s/m", default = 1e3)]
+    #[block(unit = "N*s/m", not_negative, default = 1e3)]
     pub damping: f64,
     /// Width $b$ over which an end sets in; zero sets in at once.
-    #[block(unit = "m", default = 1e-4)]
+    #[block(unit = "m", not_negative, default = 1e-4)]
     pub transition: f64,
     /// Position at the start.
-    #[block(unit = "m", default = 0.0)]
+    #[block(
+        unit = "m", finite, at_least = lower, at_most = upper, default = 0.0,
+        remedy = "start within the free travel, or move `lower` and `upper`",
+    )]
     pub x0: f64,
 }
 
@@ -42,16 +45,6 @@ impl TranslationalHardStop {
     fn travel(&self) -> Travel {
         let Self { lower, upper, stiffness, damping, transition, .. } = *self;
         Travel { lower, upper, end: JointLimit { stiffness, damping, transition } }
-    }
-}
-
-impl Block for TranslationalHardStop {
-    fn check(&self) -> Result<(), ParamError> {
-        self.travel().check(("x0", self.x0), "m")
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
     }
 }
 

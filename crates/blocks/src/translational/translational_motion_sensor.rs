@@ -13,18 +13,8 @@ use crate::mechanics::quantities::{TRANSLATION, show_motion};
 #[block(category = "Translational", symbol = Sensor("x v"))]
 pub struct TranslationalMotionSensor {
     /// Position at the start.
-    #[block(unit = "m", default = 0.0)]
+    #[block(unit = "m", finite, default = 0.0)]
     pub x0: f64,
-}
-
-impl Block for TranslationalMotionSensor {
-    fn check(&self) -> Result<(), ParamError> {
-        finite("x0", self.x0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for TranslationalMotionSensor {

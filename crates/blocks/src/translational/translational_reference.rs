@@ -11,12 +11,6 @@ use crate::mechanics::quantities::TRANSLATION;
 #[block(category = "Translational", symbol = Housing)]
 pub struct TranslationalReference;
 
-impl Block for TranslationalReference {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
-
 impl Component for TranslationalReference {
     fn part(&self, _given: &Given) -> Part {
         TRANSLATION.reference()

@@ -23,16 +23,19 @@ use crate::mechanics::rigid_stop::RigidStop;
 #[block(category = "Translational", symbol = HardStop)]
 pub struct TranslationalRigidStop {
     /// Least position; none unless given.
-    #[block(unit = "m", default = None)]
+    #[block(unit = "m", finite, default = None)]
     pub lower: Option<f64>,
     /// Largest position; none unless given.
-    #[block(unit = "m", default = None)]
+    #[block(unit = "m", finite, above = lower, default = None)]
     pub upper: Option<f64>,
     /// Restitution $e$: part of the speed that is left after a bounce, 0 to 1.
-    #[block(default = 0.0)]
+    #[block(at_least = 0.0, at_most = 1.0, default = 0.0, remedy = "0 does not bounce, 1 loses nothing")]
     pub restitution: f64,
     /// Position at the start.
-    #[block(unit = "m", default = 0.0)]
+    #[block(
+        unit = "m", finite, at_least = lower, at_most = upper, default = 0.0,
+        remedy = "start within the travel, or move `lower` and `upper`",
+    )]
     pub x0: f64,
 }
 
@@ -40,15 +43,9 @@ impl TranslationalRigidStop {
     fn law(&self) -> RigidStop {
         RigidStop { lower: self.lower, upper: self.upper, restitution: self.restitution }
     }
-}
 
-impl Block for TranslationalRigidStop {
-    fn check(&self) -> Result<(), ParamError> {
-        self.law().check(("x0", self.x0), "m")
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.law().validate(errors);
     }
 }
 

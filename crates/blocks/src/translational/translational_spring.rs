@@ -16,22 +16,11 @@ use crate::mechanics::quantities::{TRANSLATION, show_deflection, undamped};
 #[block(category = "Translational", symbol = Spring)]
 pub struct TranslationalSpring {
     /// Stiffness; zero is allowed.
-    #[block(unit = "N/m")]
+    #[block(unit = "N/m", not_negative)]
     pub k: f64,
     /// Deflection at the start.
-    #[block(unit = "m", default = 0.0)]
+    #[block(unit = "m", finite, default = 0.0)]
     pub x0: f64,
-}
-
-impl Block for TranslationalSpring {
-    fn check(&self) -> Result<(), ParamError> {
-        not_negative("k", self.k)?;
-        finite("x0", self.x0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for TranslationalSpring {
@@ -62,7 +51,7 @@ mod tests {
 
     #[test]
     fn a_negative_stiffness_and_an_endless_deflection_are_refused() {
-        assert_eq!(TranslationalSpring { k: -1.0, x0: 0.0 }.check().unwrap_err().param, "k");
-        assert_eq!(TranslationalSpring { k: 1.0, x0: f64::NAN }.check().unwrap_err().param, "x0");
+        assert_eq!(TranslationalSpring { k: -1.0, x0: 0.0 }.errors()[0].param, "k");
+        assert_eq!(TranslationalSpring { k: 1.0, x0: f64::NAN }.errors()[0].param, "x0");
     }
 }

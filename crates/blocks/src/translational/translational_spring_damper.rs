@@ -22,19 +22,19 @@ use crate::mechanics::quantities::{TRANSLATION, show_deflection};
 #[block(category = "Translational", symbol = SpringDamper)]
 pub struct TranslationalSpringDamper {
     /// Stiffness; zero is allowed.
-    #[block(unit = "N/m")]
+    #[block(unit = "N/m", not_negative)]
     pub k: f64,
     /// Damping coefficient; zero is allowed.
-    #[block(unit = "N*s/m")]
+    #[block(unit = "N*s/m", not_negative)]
     pub d: f64,
     /// Play between the flanks, from one contact to the other.
-    #[block(unit = "m", default = 0.0)]
+    #[block(unit = "m", not_negative, default = 0.0)]
     pub backlash: f64,
     /// Width over which the contact sets in; with backlash only.
-    #[block(unit = "m", default = 0.0)]
+    #[block(unit = "m", not_negative, default = 0.0)]
     pub transition: f64,
     /// Deflection at the start; zero is the middle of the play.
-    #[block(unit = "m", default = 0.0)]
+    #[block(unit = "m", finite, default = 0.0)]
     pub x0: f64,
 }
 
@@ -42,16 +42,9 @@ impl TranslationalSpringDamper {
     fn law(&self) -> SpringDamper {
         SpringDamper { k: self.k, d: self.d, backlash: self.backlash, transition: self.transition }
     }
-}
 
-impl Block for TranslationalSpringDamper {
-    fn check(&self) -> Result<(), ParamError> {
-        self.law().check()?;
-        finite("x0", self.x0)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
+    fn validate(&self, errors: &mut ParamErrors) {
+        self.law().validate(errors);
     }
 }
 

@@ -3,8 +3,6 @@ use blocksim_block::prelude::*;
 
 use crate::gears::mesh::{BothWays, Direction};
 
-use super::converter::radius;
-
 /// Wheel (`base`, turns) and what rolls off it without slip or losses (`follower`, slides): $v_F = \pm r\, w_B$.
 ///
 /// A driven wheel on the road, a belt on its pulley, a rope on a drum. The rope of a drum is taken as always tight: it
@@ -17,21 +15,15 @@ use super::converter::radius;
 #[block(category = "Translational", symbol = Rack)]
 pub struct WheelAndAxle {
     /// Radius $r$ of the wheel.
-    #[block(unit = "m")]
+    #[block(
+        unit = "m",
+        positive,
+        remedy = "the direction of the follower is set by `direction: Same` or `Reversed`"
+    )]
     pub radius: f64,
     /// `Same`: the follower moves forward while the base turns in the positive sense; or `Reversed`.
     #[block(default = Direction::Same)]
     pub direction: Direction,
-}
-
-impl Block for WheelAndAxle {
-    fn check(&self) -> Result<(), ParamError> {
-        radius(self.radius)
-    }
-
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for WheelAndAxle {

@@ -372,7 +372,7 @@ fn a_transfer_function_that_would_know_the_future() {
          --> model.ron:2:56
           |
         2 |     blocks: { "step": Step, "g": TransferFunction(num: [1, 0, 0], den: [1, 1]), "show": Scope },
-          |                                                        ^^^^^^^^^
+          |                                                        ^^^^^^^^^       ------ `den`
           |
           = note: in block `g` (TransferFunction)
           = help: give `den` at least as many coefficients as `num`

@@ -107,6 +107,11 @@ impl<'a> Reading<'a> {
         Noted(String::new())
     }
 
+    /// What was noted, each with its place.
+    pub(crate) fn noted(&self) -> Vec<Problem> {
+        self.problems.take()
+    }
+
     /// Why something could not be read: the problems that were noted, or what serde reports, which has no place.
     pub(crate) fn problems(&self, noted: Noted, whole: &Place) -> Vec<Problem> {
         let mut problems = self.problems.take();

@@ -44,6 +44,7 @@ pub const HIERARCHY: [BlockInfo; 2] = [
                 unit: "",
                 default: None,
                 doc: "The diagram, relative to the file that names it.",
+                ..ParameterInfo::NONE
             },
             ParameterInfo {
                 name: "with",
@@ -51,6 +52,7 @@ pub const HIERARCHY: [BlockInfo; 2] = [
                 unit: "",
                 default: Some("{}"),
                 doc: "Values for the parameters of the diagram: numbers, texts, lists, sets.",
+                ..ParameterInfo::NONE
             },
             ParameterInfo {
                 name: "enable",
@@ -58,6 +60,7 @@ pub const HIERARCHY: [BlockInfo; 2] = [
                 unit: "",
                 default: Some("always enabled"),
                 doc: "Adds the input `enable`, Bool or Real: the subsystem runs while it is true, or positive. `Held`: its states go on from where they were when it is enabled again. `Reset`: they begin anew.",
+                ..ParameterInfo::NONE
             },
             ParameterInfo {
                 name: "trigger",
@@ -65,6 +68,7 @@ pub const HIERARCHY: [BlockInfo; 2] = [
                 unit: "",
                 default: Some("no trigger"),
                 doc: "Adds the input `trigger`, Bool or Real: the subsystem runs at the instants alone at which it becomes true or rises through zero (`Rising`), becomes false or falls through zero (`Falling`), or either (`Either`).",
+                ..ParameterInfo::NONE
             },
             ParameterInfo {
                 name: "reset",
@@ -72,6 +76,7 @@ pub const HIERARCHY: [BlockInfo; 2] = [
                 unit: "",
                 default: Some("no reset"),
                 doc: "Adds the input `reset`, Bool or Real: all states inside take their initial values when it becomes true (`Rising`), false (`Falling`), or either (`Either`).",
+                ..ParameterInfo::NONE
             },
             ParameterInfo {
                 name: "when_disabled",
@@ -79,6 +84,7 @@ pub const HIERARCHY: [BlockInfo; 2] = [
                 unit: "",
                 default: Some("{}"),
                 doc: "Values of outputs while the subsystem is disabled, by their names; the other outputs hold what they gave last.",
+                ..ParameterInfo::NONE
             },
         ],
         file: file!(),
@@ -96,6 +102,7 @@ pub const HIERARCHY: [BlockInfo; 2] = [
                 unit: "",
                 default: None,
                 doc: "The parameter that names the alternative.",
+                ..ParameterInfo::NONE
             },
             ParameterInfo {
                 name: "of",
@@ -103,6 +110,7 @@ pub const HIERARCHY: [BlockInfo; 2] = [
                 unit: "",
                 default: None,
                 doc: "The alternatives: blocks, usually subsystems.",
+                ..ParameterInfo::NONE
             },
         ],
         file: file!(),

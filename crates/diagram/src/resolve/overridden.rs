@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use blocksim_block::BlockInfo;
-use blocksim_block::problem::{FileId, Problem};
+use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::{Value, closest};
 
 use super::Resolver;
@@ -105,6 +105,13 @@ impl<'a> Resolver<'a> {
                 _ => None,
             }
         })
+    }
+
+    /// Where a parameter of a block is replaced on the command line.
+    pub(super) fn override_of(&self, path: &str, name: &str) -> Option<Place> {
+        let replaced =
+            self.overrides_of(path).filter(|(_, names)| names.first().is_some_and(|first| first == name));
+        replaced.map(|(over, _)| over.place()).last()
     }
 
     /// A value from the command line has no place in the file.

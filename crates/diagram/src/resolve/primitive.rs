@@ -5,13 +5,15 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use blocksim_block::problem::{Place, Problem};
-use blocksim_block::{Block, BlockInfo, BlockKind, Given, MOST_MEMORY, ParamUnits};
+use blocksim_block::{Block, BlockInfo, Draft, Given, MOST_MEMORY, ParamError, ParamUnits};
+use blocksim_signal::Unit;
 use serde::Deserialize;
 
 use super::Resolver;
 use crate::ast::{Ast, BlockAst};
-use crate::de::{Noted, Numbers, Reading, Tagged, Written};
+use crate::de::{Numbers, Reading, Tagged, Written};
 use crate::model::Content;
+use crate::replacing::{self, WrittenUnit};
 use crate::scope::Scope;
 use crate::source::BlockFiles;
 use blocksim_syntax::{Node, Shape};
@@ -43,70 +45,42 @@ impl<'a> Resolver<'a> {
             Node { span: block.span.clone(), value: Shape::Struct(Some(block.kind.clone()), parameters) };
         let reading = Reading::new(scope.clone(), ast.file, Some(info)).strict(self.strict);
         let body = Written::new(&reading, &node);
-        let kind = match Box::<dyn BlockKind>::deserialize(Tagged { kind: &block.kind.text, body }) {
-            Ok(kind) => kind,
+        let (built, errors) = match Draft::deserialize(Tagged { kind: &block.kind.text, body }) {
+            Ok(draft) => draft.finish(&|name| written_unit(&reading, info, &node, name)),
             Err(noted) => {
-                // Those that are missing have been reported.
-                let noted = if names_fit { noted } else { Noted::default() };
                 for problem in reading.problems(noted, &ast.place(&block.span)) {
                     self.report(self.about_override(problem, path));
                 }
                 return Content::Unknown;
             }
         };
-        if !names_fit {
-            return Content::Unknown;
+        let unread = reading.noted();
+        let is_read = unread.is_empty() && names_fit;
+        for problem in unread {
+            self.report(self.about_override(problem, path));
         }
+        let places = Places { resolver: self, ast, block, path };
+        let is_right = errors.is_empty();
+        errors.into_iter().for_each(|error| self.report(places.refused(error)));
+        let Some(mut built) = built.filter(|_| is_read && is_right) else { return Content::Unknown };
         for problem in reading.bare.take() {
             self.report(problem.note(format!("in block `{path}` ({})", block.kind.text)));
         }
-        let mut built = kind.into_block();
         let (units, numbers) = (reading.units.take(), reading.numbers.take());
-        let place_of = |param: &str| {
-            let name = param.split(['.', '[']).next().unwrap_or(param);
-            let parameter = block.parameters.iter().find(|(known, _)| known.text == name);
-            ast.place(parameter.map_or(&block.span, |(_, node)| &node.span))
-        };
         let files = BlockFiles::beside(self.sources, ast.file);
         let loaded = built.load(&files);
         for warning in files.warnings() {
-            let problem = Problem::warning(warning.code, warning.message).at(&place_of(warning.param), "");
+            let problem = Problem::warning(warning.code, warning.message).at(&places.of(warning.param), "");
             self.report(with_help(problem, warning.help));
         }
         if let Err(error) = loaded {
-            let problem = Problem::error(error.code, error.message).at(&place_of(error.param), "");
+            let problem = Problem::error(error.code, error.message).at(&places.of(error.param), "");
             self.report(with_help(problem, error.help));
             return Content::Unknown;
         }
         built.place(path);
-        if let Err(error) = built.check() {
-            let mut place = place_of(&error.param);
-            if let Some(span) = error.span {
-                place.span = self.within(&place, span);
-            }
-            let problem = Problem::error("parameter", error.message)
-                .at(&place, "")
-                .note(format!("in block `{path}` ({})", block.kind.text));
-            self.report(with_help(problem, error.help));
-            return Content::Unknown;
-        }
         let plain = self.strict && reading.has_open.get();
         self.interface(ast, block, Arc::from(built), (units, numbers, plain))
-    }
-
-    /// The place of some bytes of a text; the whole text where they are none of it, as behind characters that are written
-    /// in another way, or where the text stands elsewhere.
-    fn within(&self, text: &Place, span: Range<usize>) -> Range<usize> {
-        let file = self.sources.file(text.file);
-        let written = file.text.get(text.span.clone()).unwrap_or_default();
-        let inner = written.strip_prefix('"').and_then(|inner| inner.strip_suffix('"'));
-        match inner {
-            Some(inner) if !inner.contains('\\') && inner.get(span.clone()).is_some() => {
-                let start = text.span.start + 1;
-                start + span.start..start + span.end
-            }
-            _ => text.span.clone(),
-        }
     }
 
     fn interface(
@@ -136,6 +110,96 @@ impl<'a> Resolver<'a> {
                 self.report(with_help(problem, error.help));
                 Content::Unknown
             }
+        }
+    }
+}
+
+/// The unit in which a parameter of a block is written, of the kind that it has.
+fn written_unit(reading: &Reading, info: &BlockInfo, block: &Node, name: &str) -> Option<Unit> {
+    let known = info.parameters.iter().find(|parameter| parameter.name == name)?;
+    let dimension = match known.unit {
+        "" => reading.units.borrow().find(name)?,
+        unit => Unit::parse(unit).ok()?.dimension,
+    };
+    let (_, node) = block.members()?.iter().find(|(written, _)| written.text == name)?;
+    let (scope, node) = (reading.scope.clone(), Rc::new(node.clone()));
+    match (replacing::Place { scope, file: reading.file, node }).unit(dimension) {
+        WrittenUnit::One(unit) => Some(unit),
+        _ => None,
+    }
+}
+
+/// Where parameters of a block stand.
+struct Places<'p, 'a> {
+    resolver: &'p Resolver<'a>,
+    ast: &'p Ast,
+    block: &'p BlockAst,
+    path: &'p str,
+}
+
+impl Places<'_, '_> {
+    /// The place of a parameter or of a part of it, `axes[2].upper`; the block where it is not written.
+    fn of(&self, param: &str) -> Place {
+        let mut steps = param.split(['.', '[']).map(|step| step.trim_end_matches(']'));
+        let name = steps.next().unwrap_or(param);
+        if let Some(place) = self.resolver.override_of(self.path, name) {
+            return place;
+        }
+        let parameter = self.block.parameters.iter().find(|(known, _)| known.text == name);
+        let Some((_, whole)) = parameter else { return self.ast.place(&self.block.span) };
+        let mut node = whole;
+        for step in steps {
+            let inner = match &node.value {
+                Shape::List(items) | Shape::Tuple(None, items) => {
+                    step.parse().ok().and_then(|i: usize| items.get(i))
+                }
+                _ => node.members().and_then(|members| {
+                    members.iter().find(|(known, _)| known.text == step).map(|(_, node)| node)
+                }),
+            };
+            match inner {
+                Some(inner) => node = inner,
+                // An expression or a file; its text is as near as one gets.
+                None => break,
+            }
+        }
+        self.ast.place(&node.span)
+    }
+
+    /// What is wrong with a parameter, and what takes part in it.
+    fn refused(&self, error: ParamError) -> Problem {
+        let mut place = self.of(&error.param);
+        if let Some(span) = error.span {
+            place.span = self.within(&place, span);
+        }
+        let problem = Problem::error("parameter", error.message).at(&place, "");
+        let others = error.beside.iter().filter_map(|name| Some((name, self.written(name)?)));
+        let problem = others.fold(problem, |problem, (name, other)| match other == place {
+            true => problem,
+            false => problem.at(&other, format!("`{name}`")),
+        });
+        let problem = problem.note(format!("in block `{}` ({})", self.path, self.block.kind.text));
+        with_help(problem, error.help)
+    }
+
+    /// The place of a parameter that is written.
+    fn written(&self, name: &str) -> Option<Place> {
+        let is_written = self.block.parameters.iter().any(|(known, _)| known.text == name);
+        (is_written || self.resolver.override_of(self.path, name).is_some()).then(|| self.of(name))
+    }
+
+    /// The place of some bytes of a text; the whole text where they are none of it, as behind characters that are written
+    /// in another way, or where the text stands elsewhere.
+    fn within(&self, text: &Place, span: Range<usize>) -> Range<usize> {
+        let file = self.resolver.sources.file(text.file);
+        let written = file.text.get(text.span.clone()).unwrap_or_default();
+        let inner = written.strip_prefix('"').and_then(|inner| inner.strip_suffix('"'));
+        match inner {
+            Some(inner) if !inner.contains('\\') && inner.get(span.clone()).is_some() => {
+                let start = text.span.start + 1;
+                start + span.start..start + span.end
+            }
+            _ => text.span.clone(),
         }
     }
 }

@@ -27,7 +27,13 @@ static INFO: BlockInfo = BlockInfo {
     category: "",
     symbol: Symbol::Plain,
     doc: "",
-    parameters: &[ParameterInfo { name: "seed", rust_type: "u64", unit: "1", default: Some("0"), doc: "" }],
+    parameters: &[ParameterInfo {
+        name: "seed",
+        rust_type: "u64",
+        unit: "1",
+        default: Some("0"),
+        ..ParameterInfo::NONE
+    }],
     file: file!(),
     line: line!(),
 };

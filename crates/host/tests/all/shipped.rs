@@ -2,7 +2,7 @@
 
 use crate::common::{bare, built, here, load, set, with_unit};
 use blocksim_block::testing::Bench;
-use blocksim_block::{Block, BlockKind, Given, Interface};
+use blocksim_block::{Block, Draft, Given, Interface};
 use blocksim_controller::testing::Bench as BuiltIn;
 use blocksim_host::{Target, open};
 use expect_test::expect;
@@ -13,7 +13,7 @@ fn signal(k: usize, inputs: usize) -> Vec<f64> {
 
 /// Bits of outputs and states of 300 samples with inputs that reach all limits.
 pub fn bits_of_block(block: impl Block, inputs: usize, ts: f64) -> Vec<u64> {
-    let mut bench = Bench::new(block);
+    let mut bench = Bench::of(block);
     let mut bits = Vec::new();
     for k in 0..300 {
         bench.t = ts * k as f64;
@@ -139,7 +139,8 @@ fn vectors_groups_and_defaults_reach_the_interface() {
 
 #[test]
 fn a_diagram_names_a_plugin_by_library_block_and_parameters() {
-    let read = |text: &str| serde_json::from_str::<Box<dyn BlockKind>>(text).map(BlockKind::into_block);
+    let read =
+        |text: &str| serde_json::from_str::<Draft>(text).map(|draft| draft.finish(&|_| None).0.unwrap());
     let library = built("blocksim_plugin_cascade");
     let text = format!(
         r#"{{"Plugin": {{"library": {library:?}, "block": "Cascade", "parameters": {{

@@ -2,20 +2,14 @@
 //! inside.
 
 use blocksim_block::physical::{Component, Domain, Element, Part, Pin};
-use blocksim_block::{Block, Given};
-use serde::Deserialize;
+use blocksim_block::{BlockMeta, Given};
 
 use crate::plant::{Plant, close};
 
 /// Joins phase a of one side with phase c of the other, b with a, c with b.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, BlockMeta)]
+#[block(category = "Toys")]
 pub struct Cyclic {}
-
-impl Block for Cyclic {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
-}
 
 impl Component for Cyclic {
     fn part(&self, _given: &Given) -> Part {
@@ -27,15 +21,11 @@ impl Component for Cyclic {
 }
 
 /// Joins three phases in one point, on ground or not.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, BlockMeta)]
+#[block(category = "Toys")]
 pub struct StarPoint {
+    /// On ground.
     grounded: bool,
-}
-
-impl Block for StarPoint {
-    fn component(&self) -> Option<&dyn Component> {
-        Some(self)
-    }
 }
 
 impl Component for StarPoint {

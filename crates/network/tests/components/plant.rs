@@ -1,9 +1,10 @@
 //! A network written as in a diagram, on a bench.
 
+use std::marker::PhantomData;
 use std::sync::Arc;
 
 use blocksim_block::testing::Bench;
-use blocksim_block::{Block, Given, Input, Output};
+use blocksim_block::{Block, BlockKind, Given, Input, Output};
 use blocksim_blocks::electrical::*;
 use blocksim_blocks::gears::*;
 use blocksim_blocks::machines::*;
@@ -13,13 +14,26 @@ use blocksim_blocks::rotational::*;
 use blocksim_blocks::three_phase::*;
 use blocksim_blocks::translational::*;
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeSeed, Deserializer};
 
 use crate::open_windings::{Cyclic, StarPoint};
 
-fn read<B: Block + DeserializeOwned + 'static>(text: &str) -> Arc<dyn Block> {
+/// Reads the parameters of a kind.
+struct Reader<K>(&'static str, PhantomData<K>);
+
+impl<'de, K: BlockKind> DeserializeSeed<'de> for Reader<K> {
+    type Value = K;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<K, D::Error> {
+        K::from_deserializer(self.0, deserializer)
+    }
+}
+
+fn read<K: BlockKind>(kind: &'static str, text: &str) -> Arc<dyn Block> {
     let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    Arc::new(options.from_str::<B>(text).unwrap_or_else(|error| panic!("{text}: {error}")))
+    let read = options.from_str_seed(text, Reader::<K>(kind, PhantomData));
+    let kind = read.unwrap_or_else(|error| panic!("{text}: {error}"));
+    Arc::new(kind.try_build().unwrap_or_else(|errors| panic!("{text}: {errors:?}")))
 }
 
 /// Wraps the numbers that may have a unit or none as a diagram does: `r_s: 0.25` to `r_s: Number(0.25, [])`.
@@ -47,7 +61,7 @@ fn block(text: &str) -> Arc<dyn Block> {
     macro_rules! one_of {
         ($($kind:ident)*) => {
             match kind {
-                $(stringify!($kind) => read::<$kind>(&text),)*
+                $(stringify!($kind) => read::<$kind>(stringify!($kind), &text),)*
                 _ => panic!("unknown kind {kind}"),
             }
         };
@@ -74,7 +88,6 @@ fn members(blocks: &[(&str, &str)]) -> Vec<Member> {
         .iter()
         .map(|(path, text)| {
             let block = block(text);
-            block.check().unwrap_or_else(|error| panic!("{path}: {}", error.message));
             let part = block.component().expect("a component").part(&Given::nothing());
             let length = |input: &Input| input.shape.map_or(1, |shape| shape.len());
             let input_lengths = part.inputs.iter().map(length).collect();
@@ -112,7 +125,7 @@ pub struct Plant {
 impl Plant {
     pub fn new(blocks: &[(&str, &str)], connections: &[&str]) -> Self {
         let network = assembled(blocks, connections).unwrap_or_else(|problems| panic!("{problems:#?}"));
-        Self { bench: Bench::new(network) }
+        Self { bench: Bench::of(network) }
     }
 
     /// Sets an input of a member.

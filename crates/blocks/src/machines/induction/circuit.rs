@@ -1,7 +1,7 @@
 //! The equivalent circuit of a squirrel-cage machine as data.
 
-use blocksim_block::ParamError;
 use blocksim_block::prelude::{not_negative, positive};
+use blocksim_block::{ParamError, ParamErrors};
 
 use super::complex::{Complex, J, ZERO, complex};
 use super::magnetisation::Magnetisation;
@@ -87,48 +87,36 @@ impl Cages {
 }
 
 impl Circuit {
-    /// Checks what must be positive or not negative, and that something limits the currents.
-    ///
-    /// # Errors
-    /// Names the parameter as `r_s`, `x_ls`, `r_r`, `x_lr`, `cage.r_r2`, `cage.x_lr2`, `cage.x_lr12` or `x_0`.
-    pub fn check(&self) -> Result<(), ParamError> {
-        not_negative("r_s", self.r_s)?;
-        not_negative("x_ls", self.l_ls)?;
+    /// Reports a second cage that makes no sense, and currents that nothing limits, with the names that the parameters have in all blocks.
+    pub fn validate(&self, errors: &mut ParamErrors) {
+        let nothing = "so nothing limits the currents";
         match self.cages {
-            Cages::Single { r, l } => {
-                not_negative("r_r", r)?;
-                not_negative("x_lr", l)?;
-                if self.l_ls + l == 0.0 {
-                    let message = "`x_ls` and `x_lr` are both 0, so nothing limits the currents";
-                    return Err(
-                        ParamError::new("x_ls", message).help("give stator or rotor its leakage reactance")
-                    );
-                }
+            Cages::Single { l, .. } if self.l_ls + l == 0.0 => {
+                let error = ParamError::new("x_ls", format!("`x_ls` and `x_lr` are both 0, {nothing}"));
+                errors.add(error.beside(&["x_lr"]).help("give stator or rotor its leakage reactance"));
             }
+            Cages::Single { .. } => {}
             Cages::Double { r, l, common } => {
-                not_negative("r_r", r[0])?;
-                not_negative("x_lr", l[0])?;
-                not_negative("cage.r_r2", r[1])?;
-                not_negative("cage.x_lr2", l[1])?;
-                not_negative("cage.x_lr12", common)?;
+                for (name, value) in [("cage.r_r2", r[1]), ("cage.x_lr2", l[1]), ("cage.x_lr12", common)] {
+                    errors.take(not_negative(name, value));
+                }
                 if l == [0.0; 2] {
                     let message = "`x_lr` and `x_lr2` are both 0, so nothing separates the cages";
-                    return Err(ParamError::new("cage.x_lr2", message)
-                        .help("write `cage: Single` with both resistances in parallel, or give one cage its leakage"));
-                }
-                if self.l_ls == 0.0 && common == 0.0 && l.contains(&0.0) {
-                    let message =
-                        "`x_ls` and the leakage reactance of a cage are 0, so nothing limits the currents";
-                    return Err(
-                        ParamError::new("x_ls", message).help("give the stator its leakage reactance")
-                    );
+                    let help = "write `cage: Single` with both resistances in parallel, or give one cage its leakage";
+                    errors.add(ParamError::new("cage.x_lr2", message).beside(&["x_lr"]).help(help));
+                } else if self.l_ls == 0.0 && common == 0.0 && l.contains(&0.0) {
+                    let message = format!("`x_ls` and the leakage reactance of a cage are 0, {nothing}");
+                    let error = ParamError::new("x_ls", message).beside(&["x_lr", "cage"]);
+                    errors.add(error.help("give the stator its leakage reactance"));
                 }
             }
         }
-        self.l_0.map_or(Ok(()), |l_0| {
-            positive("x_0", l_0)
-                .map_err(|error| error.help("`zero_sequence: Exclude` leaves the zero sequence out"))
-        })
+        if let Some(l_0) = self.l_0 {
+            errors.take(
+                positive("x_0", l_0)
+                    .map_err(|error| error.help("`zero_sequence: Exclude` leaves the zero sequence out")),
+            );
+        }
     }
 }
 
@@ -162,12 +150,17 @@ mod tests {
 
     #[test]
     fn currents_that_nothing_limits_are_refused() {
-        let refused = |l_ls, cages| circuit(l_ls, cages).check().unwrap_err().param;
+        let errors = |l_ls, cages| {
+            let mut errors = ParamErrors::default();
+            circuit(l_ls, cages).validate(&mut errors);
+            errors
+        };
+        let refused = |l_ls, cages| errors(l_ls, cages)[0].param.clone();
         assert_eq!(refused(0.0, Cages::Single { r: 0.02, l: 0.0 }), "x_ls");
         assert_eq!(refused(0.1, Cages::Double { r: [0.02; 2], l: [0.0; 2], common: 0.1 }), "cage.x_lr2");
         assert_eq!(refused(0.0, Cages::Double { r: [0.02; 2], l: [0.1, 0.0], common: 0.0 }), "x_ls");
         assert_eq!(refused(0.1, Cages::Double { r: [0.02, -1.0], l: [0.1; 2], common: 0.0 }), "cage.r_r2");
-        assert_eq!(circuit(0.0, SINGLE).check(), Ok(()));
-        assert_eq!(circuit(0.0, Cages::Double { r: [0.02; 2], l: [0.1, 0.0], common: 0.1 }).check(), Ok(()));
+        assert!(errors(0.0, SINGLE).is_empty());
+        assert!(errors(0.0, Cages::Double { r: [0.02; 2], l: [0.1, 0.0], common: 0.1 }).is_empty());
     }
 }

@@ -82,7 +82,7 @@ impl Stretch {
 }
 
 impl Machine {
-    /// From a circuit that [`Circuit::check`] accepts and the rated angular frequency, rad/s.
+    /// From a circuit that [`Circuit::validate`] accepts and the rated angular frequency, rad/s.
     pub fn new(circuit: Circuit, w_base: f64) -> Self {
         let n = 1 + circuit.cages.count();
         let [r_1, r_2] = circuit.cages.resistances();

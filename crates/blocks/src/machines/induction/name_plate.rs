@@ -1,7 +1,7 @@
 //! The equivalent circuit from what a catalogue says of a machine.
 
-use blocksim_block::ParamError;
-use blocksim_block::prelude::{finite, not_negative, positive};
+use blocksim_block::prelude::positive;
+use blocksim_block::{ParamError, ParamErrors};
 
 use super::base::Base;
 use super::circuit::{Cages, Circuit};
@@ -71,9 +71,8 @@ impl NamePlate {
     /// smaller reactance. In both cases `x_ls` is a given multiple of the reactance of the (outer) cage.
     ///
     /// # Errors
-    /// Figures that make no sense or contradict each other; figures that no circuit has within the tolerance.
+    /// Figures that no circuit has within the tolerance.
     pub fn circuit(&self) -> Result<Circuit, ParamError> {
-        self.check()?;
         let torque = self.torque();
         let r_s = (self.power_factor - torque).max(0.0);
         let reactive = (1.0 - self.power_factor.powi(2)).sqrt();
@@ -108,32 +107,13 @@ impl NamePlate {
         shaft * (1.0 + self.mechanical_loss / self.power) / (1.0 - self.slip)
     }
 
-    fn check(&self) -> Result<(), ParamError> {
-        positive("power", self.power)?;
-        positive("voltage", self.voltage)?;
-        positive("frequency", self.frequency)?;
-        not_negative("mechanical_loss", self.mechanical_loss)?;
-        positive("leakage_ratio", self.leakage_ratio)?;
-        not_negative("tolerance", self.tolerance)?;
-        finite("slip", self.slip)?;
+    /// Reports figures that contradict each other; what each of them must be is declared where they are parameters.
+    pub fn validate(&self, errors: &mut ParamErrors) {
         if !(self.slip > 0.0 && self.slip < 1.0) {
             let message =
                 format!("the slip at rated power is {:.4}, but a motor slips by more than 0", self.slip);
-            return Err(ParamError::new("speed", message)
-                .help("rated speed is a little less than frequency over pole pairs: check both"));
-        }
-        for (name, value) in [("power_factor", self.power_factor), ("efficiency", self.efficiency)] {
-            positive(name, value)?;
-            if value >= 1.0 {
-                return Err(ParamError::new(name, format!("`{name}` is {value}, but must be less than 1")));
-            }
-        }
-        finite("breakdown_torque", self.breakdown_torque)?;
-        if self.breakdown_torque <= 1.0 {
-            let message = format!("`breakdown_torque` is {} times the rated torque", self.breakdown_torque);
-            return Err(
-                ParamError::new("breakdown_torque", message).help("it is the maximum torque, so more than 1")
-            );
+            let error = ParamError::new("speed", message).beside(&["frequency", "pole_pairs"]);
+            errors.add(error.help("rated speed is a little less than frequency over pole pairs: check both"));
         }
         let torque = self.torque();
         if torque > self.power_factor * (1.0 + 1e-12) {
@@ -142,22 +122,31 @@ impl NamePlate {
                 "`efficiency` is {:.4}, but at a slip of {:.4} the rotor alone leaves no more than {best:.4}",
                 self.efficiency, self.slip
             );
-            return Err(ParamError::new("efficiency", message)
-                .help("check speed, pole pairs and frequency, or make `mechanical_loss` smaller"));
+            let error = ParamError::new("efficiency", message);
+            errors.add(
+                error
+                    .beside(&["power_factor", "mechanical_loss", "power", "speed", "frequency", "pole_pairs"])
+                    .help("check speed, pole pairs and frequency, or make `mechanical_loss` smaller"),
+            );
         }
-        self.locked_rotor.map_or(Ok(()), |locked| self.check_locked(locked, torque))
+        if let Some(locked) = self.locked_rotor {
+            self.validate_locked(locked, torque, errors);
+        }
     }
 
-    fn check_locked(&self, locked: LockedRotor, torque: f64) -> Result<(), ParamError> {
-        positive("locked_rotor.torque", locked.torque)?;
-        positive("locked_rotor.current", locked.current)?;
+    fn validate_locked(&self, locked: LockedRotor, torque: f64, errors: &mut ParamErrors) {
+        errors.take(positive("locked_rotor.torque", locked.torque));
+        errors.take(positive("locked_rotor.current", locked.current));
+        if !errors.is_right("locked_rotor") {
+            return;
+        }
         if locked.torque > self.breakdown_torque {
             let message = format!(
                 "the torque at standstill ({}) is larger than `breakdown_torque` ({}), the maximum of all",
                 locked.torque, self.breakdown_torque
             );
-            return Err(ParamError::new("locked_rotor.torque", message)
-                .help("both are multiples of the rated torque: check which is which"));
+            let error = ParamError::new("locked_rotor.torque", message).beside(&["breakdown_torque"]);
+            errors.add(error.help("both are multiples of the rated torque: check which is which"));
         }
         // All power that reaches a locked rotor heats it.
         let r_s = (self.power_factor - torque).max(0.0);
@@ -168,10 +157,13 @@ impl NamePlate {
                  current brings no more than {:.3}",
                 locked.current
             );
-            return Err(ParamError::new("locked_rotor.current", message)
-                .help("check both figures; a higher `efficiency` makes the losses of the stator smaller"));
+            let error = ParamError::new("locked_rotor.current", message);
+            errors.add(
+                error
+                    .beside(&["efficiency", "power_factor", "speed"])
+                    .help("check both figures; a higher `efficiency` makes the losses of the stator smaller"),
+            );
         }
-        Ok(())
     }
 
     /// The circuit, if its figures are near enough.

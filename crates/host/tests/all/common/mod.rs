@@ -95,7 +95,6 @@ pub fn load(
 ) -> Result<Plugin, LoadError> {
     let mut plugin = Plugin::new(library, block, parameters);
     plugin.load(folder)?;
-    plugin.check().unwrap();
     Ok(plugin)
 }
 
