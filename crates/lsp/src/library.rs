@@ -19,14 +19,15 @@ pub fn kind(name: &str) -> Option<&'static BlockInfo> {
     all_kinds().into_iter().find(|info| info.kind == name)
 }
 
-/// `N*m, default 0`.
+/// `N*m, > 0, default 0`.
 pub fn about(parameter: &ParameterInfo) -> String {
     let unit = (!parameter.unit.is_empty()).then(|| parameter.unit.to_owned());
     let default = match parameter.default {
         None => Some("required".to_owned()),
         Some(default) => in_diagram(default).map(|default| format!("default {default}")),
     };
-    unit.into_iter().chain(default).collect::<Vec<_>>().join(", ")
+    let range = Some(parameter.range()).filter(|range| !range.is_empty());
+    unit.into_iter().chain(range).chain(default).collect::<Vec<_>>().join(", ")
 }
 
 /// `output, rad/s`.

@@ -1,6 +1,6 @@
 mod ports;
 
-use blocksim_block::{BlockInfo, ParameterInfo, in_diagram, kinds};
+use blocksim_block::{BlockInfo, Bound, ParameterInfo, Requirement, in_diagram, kinds};
 use blocksim_diagram::HIERARCHY;
 use blocksim_signal::closest;
 use blocksim_terminal::{Align, Table};
@@ -139,30 +139,57 @@ fn page(info: &BlockInfo, width: usize) -> String {
 }
 
 fn parameter_table(info: &BlockInfo, width: usize) -> String {
-    let columns =
-        [("  name", Align::Left), ("unit", Align::Left), ("default", Align::Left), ("", Align::Left)];
-    let cells: Vec<[String; 3]> = info.parameters.iter().map(start_of_row).collect();
-    let widest =
-        |n: usize| cells.iter().map(|row| row[n].chars().count()).max().unwrap_or(0).max(columns[n].0.len());
-    let room = width.saturating_sub(widest(0) + widest(1) + widest(2) + 6).max(30);
+    let headings = ["  name", "unit", "range", "default"];
+    let cells: Vec<[String; 4]> = info.parameters.iter().map(start_of_row).collect();
+    // Where all values are allowed a column of ranges has nothing to show.
+    let is_ranged = cells.iter().any(|row| row[2] != "-");
+    let shown: Vec<usize> = (0..headings.len()).filter(|n| *n != 2 || is_ranged).collect();
+    let widest = |n: usize| cells.iter().map(|row| row[n].chars().count()).max().unwrap_or(0);
+    let taken: usize = shown.iter().map(|&n| widest(n).max(headings[n].len()) + 2).sum();
+    let room = width.saturating_sub(taken).max(30);
+    let mut columns: Vec<(&str, Align)> = shown.iter().map(|&n| (headings[n], Align::Left)).collect();
+    columns.push(("", Align::Left));
     let mut table = Table::new(&columns);
     for (parameter, start) in info.parameters.iter().zip(cells) {
         let doc = wrapped(&one_line(parameter.doc), room);
         let mut lines = doc.lines().map(str::to_owned);
-        table.row(start.into_iter().chain(lines.next()));
-        lines.for_each(|line| table.row([String::new(), String::new(), String::new(), line]));
+        table.row(shown.iter().map(|&n| start[n].clone()).chain(lines.next()));
+        lines.for_each(|line| table.row(shown.iter().map(|_| String::new()).chain([line])));
     }
     if info.parameters.is_empty() { String::new() } else { table.render() }
 }
 
-/// Name, unit and default of a parameter as they are written in diagrams; a line for what may be absent.
-fn start_of_row(parameter: &ParameterInfo) -> [String; 3] {
+/// Name, unit, range and default of a parameter as they are written in diagrams; a line for what may be absent.
+fn start_of_row(parameter: &ParameterInfo) -> [String; 4] {
+    let range = Some(parameter.range()).filter(|range| !range.is_empty());
     let unit = if parameter.unit.is_empty() { "-" } else { parameter.unit };
     let default = match parameter.default {
         None => "required".to_owned(),
         Some(default) => in_diagram(default).unwrap_or_else(|| "-".to_owned()),
     };
-    [format!("  {}", parameter.name), unit.to_owned(), default]
+    [format!("  {}", parameter.name), unit.to_owned(), range.unwrap_or_else(|| "-".to_owned()), default]
+}
+
+/// What the value of a parameter must be, for programs: words, or words with a number or the name of another parameter.
+fn requirements(parameter: &ParameterInfo) -> Vec<Value> {
+    let end = |word: &str, bound: Bound| match bound {
+        Bound::Number(value) => json!({ word: value }),
+        Bound::Parameter(name) => json!({ word: name }),
+    };
+    let one = |requirement: &Requirement| match *requirement {
+        Requirement::Finite => json!("finite"),
+        Requirement::NotZero => json!("not_zero"),
+        Requirement::Above(bound) => end("above", bound),
+        Requirement::AtLeast(bound) => end("at_least", bound),
+        Requirement::Below(bound) => end("below", bound),
+        Requirement::AtMost(bound) => end("at_most", bound),
+        Requirement::NotEmpty => json!("not_empty"),
+        Requirement::Increasing => json!("increasing"),
+        Requirement::AsManyAs(other) => json!({ "as_many_as": other }),
+        Requirement::Unit => json!("a_unit"),
+        Requirement::Direction => json!("direction"),
+    };
+    parameter.requires.list.iter().map(one).collect()
 }
 
 /// A JSON object a line.
@@ -177,7 +204,7 @@ fn data(info: &BlockInfo) -> Value {
         .map(|p| {
             let (required, default) = (p.default.is_none(), p.default.and_then(in_diagram));
             json!({"name": p.name, "type": p.rust_type, "unit": p.unit, "required": required, "default": default,
-                "doc": p.doc})
+                "range": p.range(), "requires": requirements(p), "doc": p.doc})
         })
         .collect();
     let ports = ports::interface(info).map(|interface| ports::data(&interface));

@@ -63,10 +63,14 @@ pub fn page(info: &BlockInfo) -> (Page, Pictures) {
         text.push_str(&format!("| `{}` | {} | {} |\n", cells[0], cells[1..].join(" | "), cell(doc)));
     }
     if !info.parameters.is_empty() {
-        text.push_str("\n## Parameters\n\n| name | unit | default | |\n|---|---|---|---|\n");
+        text.push_str("\n## Parameters\n\n| name | unit | range | default | |\n|---|---|---|---|---|\n");
     }
     for parameter in info.parameters {
         let unit = if parameter.unit.is_empty() { "-" } else { parameter.unit };
+        let range = match parameter.range() {
+            range if range.is_empty() => "-".to_owned(),
+            range => cell(&range),
+        };
         let default = match parameter.default {
             None => "required".to_owned(),
             Some(default) => {
@@ -74,7 +78,7 @@ pub fn page(info: &BlockInfo) -> (Page, Pictures) {
             }
         };
         text.push_str(&format!(
-            "| `{}` | {} | {default} | {} |\n",
+            "| `{}` | {} | {range} | {default} | {} |\n",
             parameter.name,
             cell(unit),
             cell(parameter.doc)
