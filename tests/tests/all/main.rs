@@ -64,6 +64,7 @@ mod plugins;
 mod power;
 mod random_models;
 mod redundant_friction;
+mod requirements;
 mod responses;
 mod robots;
 mod run_time;
