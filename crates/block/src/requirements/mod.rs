@@ -65,10 +65,14 @@ impl Requirements {
     pub const NONE: Requirements = Requirements { list: &[], remedy: "", at_nothing: "" };
 
     /// The values that are allowed, as a manual shows them: `> 0`, `0 to 1`, `> lower`, `increasing`; empty where all are. That numbers
-    /// are finite goes without saying.
+    /// are finite goes without saying, as does that those are below infinity which may be infinite.
     pub fn range(&self, unit: &str) -> String {
         let unit = Shown::si(unit);
-        use Requirement::{AtLeast, AtMost};
+        use Requirement::{Above, AtLeast, AtMost, Below};
+        let is_shown = |one: &Requirement| match one {
+            Above(Bound::Number(end)) | Below(Bound::Number(end)) => end.is_finite(),
+            _ => true,
+        };
         let ends = |list: &[Requirement]| match list {
             [AtLeast(Bound::Number(lower)), AtMost(Bound::Number(upper))] => {
                 Some(format!("{} to {}", unit.number(*lower), unit.value(*upper)))
@@ -78,7 +82,8 @@ impl Requirements {
         if let Some(range) = ends(&self.without_finite()) {
             return range;
         }
-        let words: Vec<String> = self.without_finite().iter().map(|one| one.sign(unit)).collect();
+        let shown = self.without_finite().into_iter().filter(is_shown);
+        let words: Vec<String> = shown.map(|one| one.sign(unit)).collect();
         words.join(", ")
     }
 
@@ -288,6 +293,12 @@ mod tests {
                 "must be from 16 to 1000000",
             ),
             (&[Above(Bound::Parameter("lower"))], "m", "> `lower`", "must be finite"),
+            (
+                &[Above(Number(f64::NEG_INFINITY)), Below(Bound::Parameter("upper"))],
+                "m",
+                "< `upper`",
+                "must be above -inf m",
+            ),
             (
                 &[NotEmpty, Increasing, AsManyAs("rows")],
                 "",
