@@ -176,11 +176,17 @@ pub(crate) fn figure_of(
     }
 }
 
-/// All ports of a subsystem; of a block those that are in use, and of one that could not be read those that
-/// connections speak of.
+/// All ports of a subsystem; of a block those that are in use or lack a wire, of one that nothing is connected to all, and of
+/// one that could not be read those that connections speak of. A signal block that drives nothing shows its first output.
 fn ports(block: &ModelBlock, connected: &[(String, PortKind)]) -> Vec<PortLook> {
     let used = |name: &String| connected.iter().any(|(known, _)| known == name);
-    let whole = matches!(block.content, Content::Diagram(_));
+    let whole = matches!(block.content, Content::Diagram(_)) || connected.is_empty();
+    let lacks = |name: &String| match &block.content {
+        Content::Block { interface, .. } => {
+            interface.inputs.iter().any(|input| input.name == *name && input.default.is_none())
+        }
+        _ => false,
+    };
     let mut ports: Vec<PortLook> = Vec::new();
     match &block.content {
         Content::Unknown => {
@@ -188,16 +194,18 @@ fn ports(block: &ModelBlock, connected: &[(String, PortKind)]) -> Vec<PortLook> 
         }
         Content::Block { .. } | Content::Diagram(_) => {
             let (inputs, outputs) = (block.inputs(), block.outputs());
+            let drives_nothing = block.ports().is_empty() && !outputs.iter().any(used);
+            let stub = outputs.first().filter(|_| drives_nothing).cloned();
             ports.extend(
                 inputs
                     .iter()
-                    .filter(|name| whole || used(name))
+                    .filter(|name| whole || used(name) || lacks(name))
                     .map(|name| PortLook::new(name, PortKind::Input)),
             );
             ports.extend(
                 outputs
                     .iter()
-                    .filter(|name| whole || used(name))
+                    .filter(|name| whole || used(name) || stub.as_ref() == Some(*name))
                     .map(|name| PortLook::new(name, PortKind::Output)),
             );
             for name in block.ports() {
