@@ -11,6 +11,7 @@ mod args;
 mod bug;
 mod commands;
 mod disk;
+mod editing;
 mod exit;
 mod failure;
 mod home;
@@ -103,5 +104,6 @@ fn done(args: &Args, console: Console) -> Outcome {
         Some(Command::Plan(command)) => commands::plan(command, console),
         Some(Command::Plugin(command)) => commands::plugin(command, console),
         Some(Command::Params(command)) => commands::params(command, console),
+        Some(Command::Edit(command)) => commands::edit(command, console),
     }
 }

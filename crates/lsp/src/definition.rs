@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::context::{Context, context, is_of_reference};
-use crate::names::{Section, declared};
+use blocksim_edit::{Context, context, is_of_reference};
+use blocksim_edit::{Section, declared};
 use blocksim_syntax::{is_word, run_at};
 
 /// A place: in this text, or the beginning of a file.

@@ -12,11 +12,16 @@ pub fn laid_out(text: &str) -> Option<Vec<TextEdit>> {
     if formatted == text {
         return Some(Vec::new());
     }
-    let before = same(text.split_inclusive('\n'), formatted.split_inclusive('\n'));
-    let (old, new) = (&text[before..], &formatted[before..]);
-    let after = same(old.split_inclusive('\n').rev(), new.split_inclusive('\n').rev());
-    let new_text = new[..new.len() - after].to_owned();
-    Some(vec![TextEdit { range: span(text, &(before..text.len() - after)), new_text }])
+    Some(vec![lines(text, &formatted)])
+}
+
+/// The edit that makes one text of another: it replaces the lines between the first and the last that change.
+pub fn lines(text: &str, new: &str) -> TextEdit {
+    let before = same(text.split_inclusive('\n'), new.split_inclusive('\n'));
+    let (old, rest) = (&text[before..], &new[before..]);
+    let after = same(old.split_inclusive('\n').rev(), rest.split_inclusive('\n').rev());
+    let new_text = rest[..rest.len() - after].to_owned();
+    TextEdit { range: span(text, &(before..text.len() - after)), new_text }
 }
 
 /// Length of the lines that two texts have in common.

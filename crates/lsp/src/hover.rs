@@ -4,11 +4,11 @@ use blocksim_block::BlockInfo;
 use blocksim_syntax::{Name, Node};
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 
-use crate::context::{Context, context, is_of_reference};
-use crate::library::{Prose, about, kind, side};
-use crate::models::Blocks;
-use crate::names::{Declared, Section, declared};
 use crate::position::span;
+use blocksim_edit::Blocks;
+use blocksim_edit::{Context, context, is_of_reference};
+use blocksim_edit::{Declared, Section, declared};
+use blocksim_edit::{Prose, about, kind, side};
 use blocksim_syntax::{is_word, run_at};
 
 /// What stands at a place of a text, if it is known.

@@ -2,23 +2,18 @@
 
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use blocksim_block::CodePolicy;
 use blocksim_block::problem::{Label, Problem, Severity};
-use blocksim_block::schedule::Schedule;
-use blocksim_block::{BlockInfo, CodePolicy};
-use blocksim_diagram::{
-    Compiled, Content, Model, ModelBlock, Options, SourceFile, Sources, Trees, compile_and_keep, model,
-};
-use blocksim_signal::{Unit, si_text};
-use blocksim_syntax::{Node, Shape};
+use blocksim_diagram::{Options, SourceFile, Sources, Trees, compile_and_keep, model};
+use blocksim_edit::{Blocks, Learned, is_whole};
 use lsp_types::{
     Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Range as Span,
 };
 
 use crate::fixes::{Fix, fix};
-use crate::names::{Section, declared};
 use crate::position::span;
 use crate::texts::{Disk, Snapshot, Texts};
 use crate::uri::uri_of;
@@ -26,33 +21,6 @@ use crate::uri::uri_of;
 /// Folders above a file in which its model is looked for, and files there that are looked at.
 const FOLDERS: usize = 3;
 const MOST: usize = 100;
-
-/// A port of a block.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Port {
-    /// Its name.
-    pub name: String,
-    /// `input`, `output` or the domain of a conserving one.
-    pub side: String,
-    /// Its unit, where it has one.
-    pub unit: String,
-    /// A sentence.
-    pub doc: String,
-}
-
-/// What a compilation knows of a block.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Facts {
-    /// Its ports.
-    pub ports: Vec<Port>,
-    /// Values of its parameters, where they are numbers: `k`, `2 rad/s`.
-    pub values: Vec<(String, String)>,
-    /// The alternative that is built, if it is a variant.
-    pub chosen: Option<String>,
-}
-
-/// Blocks of a file, as they were when the diagram could be read last.
-pub type Blocks = BTreeMap<String, Facts>;
 
 /// Problems of files.
 pub type Found = BTreeMap<PathBuf, Vec<Diagnostic>>;
@@ -200,10 +168,9 @@ impl Models {
             }
         }
         if let Some(model) = model {
-            let units = units(&compiled);
-            let mut kept = std::mem::take(&mut self.blocks);
-            remember(&model, &sources, &units, &mut kept, &mut known.choices);
-            self.blocks = kept;
+            let mut learned = Learned { blocks: std::mem::take(&mut self.blocks), ..Learned::default() };
+            learned.learn(&model, &sources, &compiled);
+            (self.blocks, known.choices) = (learned.blocks, learned.choices);
         }
         last.known = known;
         Some(last)
@@ -217,87 +184,6 @@ fn is_same(last: &Last, snapshot: &Snapshot, disk: &Disk) -> bool {
         None => disk.read(path).ok(),
     };
     last.read.iter().all(|(path, read)| text(path) == *read)
-}
-
-/// Units of outputs by path and port, as far as the compiler came.
-fn units(compiled: &Compiled) -> BTreeMap<&str, String> {
-    let of = |schedule: &'_ Schedule| -> Vec<(usize, String)> {
-        let unit = |(n, signal): (usize, &blocksim_block::schedule::Signal)| {
-            let dimension = signal.dimension.filter(|dimension| !dimension.is_open())?;
-            Some((n, dimension.to_string()))
-        };
-        schedule.signals.iter().enumerate().filter_map(unit).collect()
-    };
-    let Some(schedule) = &compiled.schedule else { return BTreeMap::new() };
-    of(schedule).into_iter().map(|(n, unit)| (schedule.signals[n].path.as_str(), unit)).collect()
-}
-
-/// Keeps what is known of the blocks of a diagram and of those inside.
-fn remember(
-    model: &Model,
-    sources: &Sources,
-    units: &BTreeMap<&str, String>,
-    all: &mut BTreeMap<PathBuf, Blocks>,
-    choices: &mut BTreeMap<String, Vec<String>>,
-) {
-    for (name, node) in &model.ast.parameters {
-        let of = alternatives(node);
-        if !of.is_empty() {
-            choices.insert(name.text.clone(), of);
-        }
-    }
-    let blocks = all.entry(sources.file(model.ast.file).path).or_default();
-    for block in model.blocks.iter().filter(|block| !matches!(block.content, Content::Unknown)) {
-        blocks.insert(block.name.clone(), facts(block, units));
-    }
-    for block in &model.blocks {
-        if let Content::Diagram(inside) = &block.content {
-            remember(inside, sources, units, all, choices);
-        }
-    }
-}
-
-/// The alternatives of `Choice(default: .., of: [..])`.
-fn alternatives(node: &Node) -> Vec<String> {
-    let Shape::Struct(Some(word), members) = &node.value else { return Vec::new() };
-    let of = members.iter().find(|(name, _)| word.text == "Choice" && name.text == "of");
-    let Some(Node { value: Shape::List(items), .. }) = of.map(|(_, node)| node) else { return Vec::new() };
-    let text = |item: &Node| if let Shape::Text(text) = &item.value { Some(text.clone()) } else { None };
-    items.iter().filter_map(text).collect()
-}
-
-fn facts(block: &ModelBlock, units: &BTreeMap<&str, String>) -> Facts {
-    let mut ports = ports(block);
-    for port in ports.iter_mut().filter(|port| port.side == "output" && port.unit.is_empty()) {
-        let unit = units.get(format!("{}.{}", block.path, port.name).as_str());
-        port.unit = unit.cloned().unwrap_or_default();
-    }
-    Facts {
-        ports,
-        values: values(block),
-        chosen: block.variant.as_ref().map(|variant| variant.chosen.clone()),
-    }
-}
-
-/// Most numbers of one parameter that are shown.
-const NUMBERS: usize = 6;
-
-/// The numbers of the parameters with their units.
-fn values(block: &ModelBlock) -> Vec<(String, String)> {
-    let Content::Block { numbers, units, .. } = &block.content else { return Vec::new() };
-    let info = BlockInfo::find(&block.kind);
-    let value = |(name, numbers): &(String, Vec<f64>)| {
-        let parameter = info.and_then(|info| info.parameters.iter().find(|known| known.name == name));
-        let fixed = parameter.filter(|parameter| !parameter.unit.is_empty());
-        let fixed = fixed.and_then(|parameter| Unit::parse(parameter.unit).ok()).map(|unit| unit.dimension);
-        let dimension = fixed.or(units.find(name)).unwrap_or_default();
-        let shown: Vec<String> =
-            numbers.iter().take(NUMBERS).map(|&number| si_text(number, dimension)).collect();
-        let more = if numbers.len() > NUMBERS { ", ..." } else { "" };
-        let text = shown.join(", ");
-        (name.clone(), if numbers.len() == 1 { text } else { format!("[{text}{more}]") })
-    };
-    numbers.iter().map(value).collect()
 }
 
 /// The model that a file belongs to: itself if it is whole, else the first in its folder or above that reads it, the one
@@ -321,9 +207,9 @@ fn root_of(path: &Path, texts: &Texts, trees: &Trees) -> PathBuf {
 const MOST_FILES: usize = 5000;
 const DEEPEST: usize = 8;
 
-/// Diagrams that stand for themselves and read one of these files, also by others: those of the folders of the editor that
-/// hold a file, else those beside the file and above it.
-pub fn files_that_name(files: &[PathBuf], folders: &[PathBuf], texts: &Texts) -> Vec<PathBuf> {
+/// Files among which are the diagrams that read one of these files: those of the folders of the editor that hold a file, else
+/// those beside the file and above it, and all that are open.
+pub fn candidates(files: &[PathBuf], folders: &[PathBuf], snapshot: &Snapshot) -> BTreeSet<PathBuf> {
     let mut candidates: BTreeSet<PathBuf> = BTreeSet::new();
     for file in files {
         let within: Vec<&PathBuf> = folders.iter().filter(|folder| file.starts_with(folder)).collect();
@@ -332,26 +218,8 @@ pub fn files_that_name(files: &[PathBuf], folders: &[PathBuf], texts: &Texts) ->
             false => within.iter().for_each(|folder| gather(folder, 0, &mut candidates)),
         }
     }
-    candidates.extend(texts.snapshot.open.keys().cloned());
-    let mut named: BTreeMap<PathBuf, Vec<PathBuf>> = BTreeMap::new();
-    let mut reaches = |root: &PathBuf| {
-        let (mut seen, mut open) = (BTreeSet::from([root.clone()]), vec![root.clone()]);
-        while let Some(file) = open.pop() {
-            if files.contains(&file) {
-                return true;
-            }
-            let others = named.entry(file.clone()).or_insert_with(|| {
-                let folder = file.parent().unwrap_or(Path::new(""));
-                texts.text(&file).map(|text| files_named_in(&text, folder)).unwrap_or_default()
-            });
-            open.extend(others.iter().filter(|other| seen.insert((*other).clone())).cloned());
-        }
-        false
-    };
+    candidates.extend(snapshot.open.keys().cloned());
     candidates
-        .into_iter()
-        .filter(|root| texts.text(root).is_ok_and(|text| is_whole(&text)) && reaches(root))
-        .collect()
 }
 
 /// All `.ron` files of a folder and below.
@@ -373,33 +241,6 @@ fn gather(folder: &Path, depth: usize, found: &mut BTreeSet<PathBuf>) {
             _ => {}
         }
     }
-}
-
-/// Files that a text names, as paths.
-fn files_named_in(text: &str, folder: &Path) -> Vec<PathBuf> {
-    let named = text.split('"').filter(|piece| piece.ends_with(".ron"));
-    named.map(|name| normal(&folder.join(name))).collect()
-}
-
-/// A path without `.` and `..`, as the compiler writes it.
-fn normal(path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for part in path.components() {
-        match part {
-            Component::CurDir => {}
-            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
-                out.pop();
-            }
-            part => out.push(part),
-        }
-    }
-    out
-}
-
-/// Whether a text is a diagram that stands for itself, though it may be part of a larger one as well.
-fn is_whole(text: &str) -> bool {
-    let is_open = |section| matches!(section, Section::Input | Section::Output | Section::Port);
-    text.contains("Diagram(") && !declared(text).iter().any(|declared| is_open(declared.section))
 }
 
 /// Diagrams of a folder by name; the one named as the folder first.
@@ -450,42 +291,6 @@ fn diagnostic(problem: &Problem, files: &[SourceFile], root: &Path) -> (PathBuf,
         ..Diagnostic::default()
     };
     (path, diagnostic)
-}
-
-fn ports(block: &ModelBlock) -> Vec<Port> {
-    let Content::Block { interface, .. } = &block.content else {
-        let named = |names: Vec<String>, side: &'static str| {
-            let port =
-                move |name| Port { name, side: side.to_owned(), unit: String::new(), doc: String::new() };
-            names.into_iter().map(port)
-        };
-        let signals = named(block.inputs(), "input").chain(named(block.outputs(), "output"));
-        return signals.chain(named(block.ports(), "conserving")).collect();
-    };
-    let inputs = interface.inputs.iter().map(|input| Port {
-        name: input.name.clone(),
-        side: "input".to_owned(),
-        unit: written(input.dimension),
-        doc: input.doc.to_owned(),
-    });
-    let outputs = interface.outputs.iter().map(|output| Port {
-        name: output.name.clone(),
-        side: "output".to_owned(),
-        unit: written(output.port_type.dimension),
-        doc: output.doc.to_owned(),
-    });
-    let conserving = interface.ports.iter().filter(|port| !port.inner).map(|port| Port {
-        name: port.name.clone(),
-        side: port.domain.to_string(),
-        unit: String::new(),
-        doc: port.doc.to_owned(),
-    });
-    inputs.chain(outputs).chain(conserving).collect()
-}
-
-/// A unit; empty where there is none.
-fn written(unit: Option<impl ToString>) -> String {
-    unit.map_or_else(String::new, |unit| unit.to_string())
 }
 
 #[cfg(test)]

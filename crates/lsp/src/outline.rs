@@ -2,13 +2,13 @@
 
 use lsp_types::{DocumentSymbol, SymbolKind};
 
-use crate::names::{Section, declared};
 use crate::position::span;
+use blocksim_edit::{Declared, Section, declared};
 
 /// All names that a file declares.
 #[expect(deprecated, reason = "the protocol keeps a member that it no longer wants")]
 pub fn outline(text: &str) -> Vec<DocumentSymbol> {
-    let symbol = |declared: crate::names::Declared| {
+    let symbol = |declared: Declared| {
         let (kind, detail) = match declared.section {
             Section::Parameter => (SymbolKind::CONSTANT, "parameter"),
             Section::Input | Section::Output | Section::Port => (SymbolKind::INTERFACE, "port"),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use blocksim_block::CodePolicy;
+use blocksim_edit::{Context, Prose, complete, context};
 use crossbeam_channel::select;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
 use lsp_types::notification::{
@@ -13,30 +14,29 @@ use lsp_types::notification::{
     DidSaveTextDocument, Notification as _, PublishDiagnostics,
 };
 use lsp_types::request::{
-    CodeActionRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest,
-    PrepareRenameRequest, References, Rename, Request as _,
+    CodeActionRequest, CodeActionResolveRequest, Completion, DocumentSymbolRequest, Formatting,
+    GotoDefinition, HoverRequest, PrepareRenameRequest, References, Rename, Request as _,
 };
 use lsp_types::{
-    CodeActionParams, CodeActionProviderCapability, CompletionOptions, CompletionParams,
+    CodeActionOptions, CodeActionParams, CodeActionProviderCapability, CompletionOptions, CompletionParams,
     DidChangeTextDocumentParams, DidChangeWatchedFilesParams, DidCloseTextDocumentParams,
     DidOpenTextDocumentParams, DidSaveTextDocumentParams, DocumentFormattingParams, DocumentSymbolParams,
     DocumentSymbolResponse, GotoDefinitionParams, HoverParams, HoverProviderCapability, InitializeParams,
     Location, OneOf, PublishDiagnosticsParams, Range as Span, ReferenceParams, RenameOptions, RenameParams,
-    ServerCapabilities, TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind,
-    TextDocumentSyncOptions, WorkDoneProgressOptions,
+    ResourceOperationKind, ServerCapabilities, TextDocumentPositionParams, TextDocumentSyncCapability,
+    TextDocumentSyncKind, TextDocumentSyncOptions, WorkDoneProgressOptions,
 };
 use serde_json::{Value, json};
 
-use crate::complete::complete;
-use crate::context::{Context, context};
+use crate::complete::item;
 use crate::definition::{Target, definition};
 use crate::fixes::offered;
 use crate::formatting::laid_out;
 use crate::hover::hover;
-use crate::library::Prose;
 use crate::models::Known;
 use crate::outline::outline;
 use crate::position::{changed, offset, span};
+use crate::refactor::{self, Takes};
 use crate::texts::{Document, Open, Snapshot};
 use crate::uri::{path_of, uri_of};
 use crate::work::{Cancelled, Done, Job, Query, Worker};
@@ -76,6 +76,8 @@ pub struct Server {
     code: Option<Box<dyn CodePolicy + Send>>,
     /// Whether the editor fills in places to be written.
     snippets: bool,
+    /// What it can do with changes of whole diagrams.
+    takes: Takes,
 }
 
 impl Server {
@@ -93,6 +95,7 @@ impl Server {
             prose,
             code: Some(code),
             snippets: false,
+            takes: Takes::default(),
         }
     }
 
@@ -104,6 +107,7 @@ impl Server {
         let (id, request) = connection.initialize_start()?;
         let request: InitializeParams = serde_json::from_value(request)?;
         self.snippets = takes_snippets(&request);
+        self.takes = takes_changes(&request);
         let about = json!({ "name": "blocksim", "version": env!("CARGO_PKG_VERSION") });
         connection.initialize_finish(id, json!({ "capabilities": capabilities(), "serverInfo": about }))?;
         let Some(code) = self.code.take() else { return Ok(()) };
@@ -273,7 +277,9 @@ impl Server {
                     let Place { text, at, path } = place;
                     let folder = path.parent().unwrap_or(path);
                     let Known { blocks, choices, .. } = &self.known;
-                    json!(complete(text, at, blocks.get(path), choices, folder, self.snippets, self.prose))
+                    let all =
+                        complete(text, at, blocks.get(path), choices, folder, self.snippets, self.prose);
+                    json!(all.into_iter().map(item).collect::<Vec<_>>())
                 },
             ),
             HoverRequest::METHOD => {
@@ -312,10 +318,14 @@ impl Server {
                     let uri = &request.text_document.uri;
                     let path = path_of(uri).unwrap_or_default();
                     let fixes = self.known.fixes.get(&path).map(Vec::as_slice).unwrap_or_default();
-                    Response::new_ok(id, offered(fixes, uri, &request.range))
+                    let mut all = offered(fixes, uri, &request.range);
+                    let text = self.text(&path).unwrap_or_default();
+                    all.extend(refactor::offered(text, uri, &request.range, self.takes));
+                    Response::new_ok(id, all)
                 }
                 None => wrong(id),
             },
+            CodeActionResolveRequest::METHOD => return self.resolve(id, params, worker),
             Formatting::METHOD => match read::<DocumentFormattingParams>(params) {
                 Some(request) => {
                     let path = path_of(&request.text_document.uri);
@@ -365,6 +375,18 @@ impl Server {
         };
         let job = Job::Answer { id: id.clone(), path: path.to_owned(), at, query };
         worker.put(job, self.snapshot());
+        self.waiting.insert(id);
+        None
+    }
+
+    /// Leaves it to the other thread what a chosen action comes to.
+    fn resolve(&mut self, id: RequestId, action: Value, worker: &Worker) -> Option<Response> {
+        let uri = action["data"]["uri"].as_str().and_then(|uri| uri.parse().ok());
+        let Some(path) = uri.as_ref().and_then(path_of).filter(|path| self.open.contains_key(path)) else {
+            return Some(wrong(id));
+        };
+        let query = Query::Refactor { action: Box::new(action) };
+        worker.put(Job::Answer { id: id.clone(), path, at: 0, query }, self.snapshot());
         self.waiting.insert(id);
         None
     }
@@ -465,10 +487,25 @@ fn capabilities() -> ServerCapabilities {
             work_done_progress_options: WorkDoneProgressOptions::default(),
         })),
         document_symbol_provider: Some(OneOf::Left(true)),
-        code_action_provider: Some(CodeActionProviderCapability::Simple(true)),
+        code_action_provider: Some(CodeActionProviderCapability::Options(CodeActionOptions {
+            resolve_provider: Some(true),
+            ..CodeActionOptions::default()
+        })),
         document_formatting_provider: Some(OneOf::Left(true)),
         ..ServerCapabilities::default()
     }
+}
+
+/// Whether the editor asks for the changes of an action when it is chosen, and makes files.
+fn takes_changes(request: &InitializeParams) -> Takes {
+    let actions = request.capabilities.text_document.as_ref().and_then(|text| text.code_action.as_ref());
+    let resolves = actions.and_then(|actions| actions.resolve_support.as_ref());
+    let later = resolves.is_some_and(|support| support.properties.iter().any(|property| property == "edit"));
+    let edits =
+        request.capabilities.workspace.as_ref().and_then(|workspace| workspace.workspace_edit.as_ref());
+    let documents = edits.and_then(|edits| edits.document_changes).unwrap_or(false);
+    let operations = edits.and_then(|edits| edits.resource_operations.clone()).unwrap_or_default();
+    Takes { later: later && documents, new_files: operations.contains(&ResourceOperationKind::Create) }
 }
 
 fn takes_snippets(request: &InitializeParams) -> bool {

@@ -10,10 +10,13 @@ use blocksim_block::CodePolicy;
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use lsp_server::{ErrorCode, RequestId, Response};
 use lsp_types::Location;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::meanings::{Refusal, definition, described, prepared, references, renamed};
+use blocksim_edit::Refusal;
+
+use crate::meanings::{definition, described, prepared, references, renamed};
 use crate::models::{Known, Models};
+use crate::refactor::chosen;
 use crate::texts::Snapshot;
 
 /// Stack of the thread: diagrams lie inside each other as deep as their brackets.
@@ -40,6 +43,8 @@ pub enum Query {
     Prepare,
     /// The edits that give it another name.
     Rename { new: String },
+    /// The action with the changes that it stands for.
+    Refactor { action: Box<Value> },
 }
 
 /// What is done.
@@ -165,9 +170,16 @@ fn answer(
         }
         Query::Prepare => prepared(models, &path, at, snapshot, code).map(|found| json!(found)),
         Query::Rename { new } => renamed(models, &path, at, new, snapshot, code).map(|edit| json!(edit)),
+        Query::Refactor { action } => chosen(models, &path, &action["data"], snapshot, code).map(|edit| {
+            let mut action = (**action).clone();
+            action["edit"] = edit;
+            action
+        }),
     }));
-    let refused =
-        |id, Refusal(reason): Refusal| Response::new_err(id, ErrorCode::RequestFailed as i32, reason);
+    let refused = |id, Refusal { message, help, .. }: Refusal| {
+        let reason = help.map_or_else(|| message.clone(), |help| format!("{message}: {help}"));
+        Response::new_err(id, ErrorCode::RequestFailed as i32, reason)
+    };
     match names {
         _ if snapshot.is_stale() => {
             Response::new_err(id, ErrorCode::ContentModified as i32, changed.to_owned())

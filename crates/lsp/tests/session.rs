@@ -59,9 +59,14 @@ impl Editor {
         });
         let mut editor =
             Editor { folder, connection, server: Some(server), requests: 0, versions: RefCell::default() };
-        let snippets =
-            json!({ "textDocument": { "completion": { "completionItem": { "snippetSupport": true } } } });
-        let answer = editor.ask("initialize", json!({ "capabilities": snippets }));
+        let takes = json!({
+            "textDocument": {
+                "completion": { "completionItem": { "snippetSupport": true } },
+                "codeAction": { "resolveSupport": { "properties": ["edit"] } },
+            },
+            "workspace": { "workspaceEdit": { "documentChanges": true, "resourceOperations": ["create"] } },
+        });
+        let answer = editor.ask("initialize", json!({ "capabilities": takes }));
         assert_eq!(answer["capabilities"]["hoverProvider"], true, "{answer}");
         editor.say("initialized", json!({}));
         editor
@@ -259,8 +264,8 @@ fn what_may_follow_is_known_also_in_half_written_texts() {
     assert!(kinds.contains(&"Gain".to_owned()) && kinds.contains(&"Variant".to_owned()) && kinds.len() > 100);
     assert_eq!(editor.complete("servo.ron", &typed("Gain(k: \"gain\")", "LowPass(tau: 1, |")), ["y0"]);
     assert_eq!(editor.complete("servo.ron", &typed("k: \"gain\"", "k: \"2*|\"")), ["gain"]);
-    // Ports of blocks and subsystems as they were when the text was whole.
-    assert_eq!(editor.complete("servo.ron", &typed("part.y ->", "part.|")), ["u", "y"]);
+    // Ports of blocks and subsystems as they were when the text was whole, before an arrow those that drive first.
+    assert_eq!(editor.complete("servo.ron", &typed("part.y ->", "part.|")), ["y", "u"]);
     let blocks = editor.complete("servo.ron", &typed("part.y ->", "par|"));
     assert_eq!(blocks, ["demand", "amplifier", "part", "scope"]);
     assert_eq!(editor.complete("servo.ron", &typed("part.ron", "|")), ["part.ron", "servo.ron"]);
@@ -549,7 +554,8 @@ fn a_text_is_laid_out_and_mended_on_request() {
     assert_eq!((&actions[0]["title"], &actions[0]["kind"]), (&json!("Write `Gain`"), &json!("quickfix")));
     let edit = &actions[0]["edit"]["changes"][editor.uri("servo.ron")][0];
     assert_eq!((&edit["newText"], &edit["range"]["start"]["line"]), (&json!("Gain"), &json!(4)), "{actions}");
-    assert_eq!(editor.ask("textDocument/codeAction", params(5)), json!([]));
+    let others = editor.ask("textDocument/codeAction", params(5));
+    assert!(others.as_array().unwrap().iter().all(|action| action["kind"] != "quickfix"), "{others}");
 }
 
 #[test]
@@ -568,4 +574,37 @@ fn no_key_that_is_pressed_ends_the_server() {
     editor.change("servo.ron", SERVO);
     let last = std::iter::repeat_with(|| editor.problems("servo.ron")).find(Vec::is_empty);
     assert!(last.is_some());
+}
+
+#[test]
+fn blocks_are_deleted_and_grouped_by_actions_that_are_worked_out_when_they_are_chosen() {
+    let mut editor = Editor::new("refactor");
+    editor.open("servo.ron", SERVO);
+    let actions = |editor: &mut Editor, from: u32, to: u32| {
+        let place = |line: u32| json!({ "line": line, "character": 0 });
+        let params = json!({
+            "textDocument": { "uri": editor.uri("servo.ron") },
+            "range": { "start": place(from), "end": place(to) },
+            "context": { "diagnostics": [] },
+        });
+        editor.ask("textDocument/codeAction", params)
+    };
+    assert_eq!(actions(&mut editor, 0, 1), json!([]), "no block is declared there");
+    let one = actions(&mut editor, 4, 4);
+    assert_eq!(one[0]["title"], "Delete `amplifier` with its wires");
+    assert_eq!((one[0]["edit"].clone(), one[1].clone()), (json!(null), json!(null)));
+    let chosen = editor.ask("codeAction/resolve", one[0].clone());
+    let edits = &chosen["edit"]["documentChanges"][0]["edits"][0];
+    assert_eq!(edits["range"]["start"], json!({ "line": 4, "character": 0 }));
+    let new = edits["newText"].as_str().expect("a text");
+    assert!(new.contains("\"demand.y -> scope.set\"") && !new.contains("amplifier"), "{new}");
+    let two = actions(&mut editor, 3, 4);
+    assert_eq!(two[1]["title"], "Group 2 blocks in a subsystem");
+    let chosen = editor.ask("codeAction/resolve", two[1].clone());
+    let all = chosen["edit"]["documentChanges"].as_array().expect("changes").clone();
+    let made = all.iter().find(|change| change["kind"] == "create").expect("a file");
+    assert!(made["uri"].as_str().expect("a name").ends_with("/subsystem.ron"), "{made}");
+    let texts: Vec<&str> = all.iter().filter_map(|change| change["edits"][0]["newText"].as_str()).collect();
+    assert!(texts.iter().any(|text| text.contains("Subsystem(file: \"subsystem.ron\")")), "{texts:?}");
+    assert!(texts.iter().any(|text| text.contains("outputs: {")), "{texts:?}");
 }

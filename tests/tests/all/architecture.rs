@@ -239,6 +239,7 @@ fn no_crate_depends_on_what_it_knows_nothing_of() {
         ("drawing", &["blocks", "sim", "host", "recording"]),
         ("report", &["block", "blocks", "diagram", "recording"]),
         ("studio", &["block", "blocks", "diagram", "sim", "recording"]),
+        ("edit", &["blocks", "sim", "host"]),
         ("lsp", &["blocks", "sim", "host"]),
         ("site", &["signal", "block", "blocks", "diagram", "sim", "recording", "picture", "drawing"]),
     ];

@@ -1,6 +1,7 @@
 //! The command line: one file for the flags of each command, or of a few that are alike.
 
 pub mod collisions;
+pub mod edit;
 pub mod export;
 pub mod export_c;
 pub mod fmt;
@@ -25,6 +26,7 @@ pub mod values;
 use clap::{Parser, Subcommand};
 
 use self::collisions::CollisionsArgs;
+use self::edit::EditCommand;
 use self::export::{ExportArgs, RunsArgs};
 use self::fmt::FmtArgs;
 use self::grade::GradeArgs;
@@ -132,6 +134,9 @@ pub enum Command {
     /// Parameters of a model: list, get and set them; sets as workbooks for Excel and LibreOffice, and back.
     #[command(subcommand)]
     Params(ParamsCommand),
+    /// Change a model as its picture is changed: rename, delete, connect, add, wrap; comments and layout of the text stay.
+    #[command(subcommand)]
+    Edit(EditCommand),
 }
 
 impl Args {
@@ -160,6 +165,7 @@ impl Args {
                 | Command::Report(_)
                 | Command::Studio(_)
                 | Command::Fmt(_)
+                | Command::Edit(_)
                 | Command::Export(_)
                 | Command::Emit(_)
                 | Command::Import(_)

@@ -18,7 +18,7 @@ pub struct StudioArgs {
     /// Open no browser.
     #[arg(long)]
     pub no_open: bool,
-    /// Let the page write parameters into the texts of the model.
+    /// Let the page change the texts of the model: parameters, blocks, wires, text.
     #[arg(long)]
     pub edit: bool,
 }

@@ -1,11 +1,12 @@
 //! One function for each verb.
 
-mod blocks;
+pub mod blocks;
 pub mod check;
 mod collisions;
 mod compare;
 mod completions;
 mod doctor;
+mod edit;
 mod emit;
 mod explain;
 mod export;
@@ -38,6 +39,7 @@ pub use collisions::collisions;
 pub use compare::compare;
 pub use completions::completions;
 pub use doctor::doctor;
+pub use edit::edit;
 pub use emit::emit;
 pub use explain::explain;
 pub use export::export;

@@ -6,6 +6,7 @@ mod collisions;
 mod commands;
 mod data;
 mod desk;
+mod edit;
 #[cfg(unix)]
 mod export_c;
 mod faults;

@@ -3,7 +3,7 @@
 use blocksim_block::{BlockInfo, ParameterInfo, in_diagram, kinds};
 use blocksim_diagram::HIERARCHY;
 
-use crate::models::Port;
+use super::Port;
 
 /// Makes text for people of the Markdown of the manual, formulas above all.
 pub type Prose = fn(&str) -> String;
