@@ -9,8 +9,8 @@ use crate::names::renamed;
 use crate::project::{Project, below, split};
 use crate::refusal::Refusal;
 
-/// Gives a block another name, wherever it is named: in connections, in what a diagram hands outward, in paths of `record` and
-/// `simulation`, and in comments that show how to `--set` it; of all models that share the file. `path` may name an input of a
+/// Gives a block another name, wherever it is named: in connections, in what a diagram hands outward, in paths of `record`,
+/// `panel` and `simulation`, and in comments that show how to `--set` it; of all models that share the file. `path` may name an input of a
 /// diagram (`arm/in.angle`) or what it hands outward (`arm/out.torque`) as well.
 ///
 /// # Errors

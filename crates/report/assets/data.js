@@ -10,6 +10,7 @@ const R = {
   /** @type {(() => void)[]} */ onCursors: [],
   /** @type {(() => void)[]} What is shown has changed. */ onRange: [],
   /** @type {(() => void)[]} */ onTheme: [],
+  /** @type {((what: 'level'|'block'|'wire') => void)[]} Something of the diagram is looked at. */ onChosen: [],
   /** @type {Record<string, string>} Colours that were asked for. */ colours: {},
   dark: matchMedia('(prefers-color-scheme: dark)'),
   /** @type {[number, number]} */ span: [0, 1],

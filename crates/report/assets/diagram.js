@@ -119,6 +119,7 @@ R.Diagram = (() => {
     place.legend.replaceChildren(...(over.has('rates') ? (layers?.legend ?? []).map((/** @type {[string, string]} */ [name, text]) => R.make('span', { class: 'pace' }, R.make('i', { class: name }), text)) : []), words.length ? R.make('span', {}, words.join('; ')) : '');
   };
 
+  const tellChosen = (/** @type {'level'|'block'|'wire'} */ what) => { for (const tell of R.onChosen) tell(what); };
   /** Tells of a wire. @param {number} at @param {boolean} [focus] */
   const follow = (at, focus) => {
     lines = [];
@@ -130,6 +131,7 @@ R.Diagram = (() => {
     if (focus) group.focus();
     const carried = courses(at);
     place.side.replaceChildren(R.make('h3', {}, net(at)[0]), ...facts(level.layers?.wires[at]), carried.length ? R.make('ul', { class: 'carried' }, ...carried) : unrecorded(at));
+    tellChosen('wire');
   };
   /** The next wire, or the one before. @param {number} by */
   const walk = (by) => {
@@ -152,7 +154,7 @@ R.Diagram = (() => {
     group.classList.add('chosen');
     if (focus) group.focus();
     const block = level.blocks[n], path = inside(n);
-    if (!block) { place.side.replaceChildren(R.make('h3', {}, group.querySelector('title')?.textContent ?? '')); return; }
+    if (!block) { place.side.replaceChildren(R.make('h3', {}, group.querySelector('title')?.textContent ?? '')); tellChosen('block'); return; }
     const [name, kind, written, variant, parameters] = block, known = texts.kinds[kind];
     const about = R.make('dl', {}, R.make('dt', {}, 'kind'), R.make('dd', {}, kind, known?.does ? ` – ${known.does}` : ''));
     if (variant) about.append(R.make('dt', {}, 'variant'), R.make('dd', {}, variant));
@@ -167,6 +169,7 @@ R.Diagram = (() => {
     const out = texts.drawings[level.drawing].nets.flatMap((/** @type {any} */ [, ends, directed], /** @type {number} */ at) => directed && ends[0] === n ? courses(at) : []);
     if (out.length) parts.push(R.make('h4', {}, 'its outputs now'), R.make('ul', { class: 'carried' }, ...out));
     place.side.replaceChildren(...parts);
+    tellChosen('block');
   };
 
   /** Shows a level; `from` is the block to stand on. @param {string} path @param {boolean} [focus] @param {string} [from] */
@@ -200,6 +203,7 @@ R.Diagram = (() => {
     chosen = wire = -1;
     lines = [];
     place.side.replaceChildren(R.make('p', { class: 'note' }, 'Click a block or a wire for its details. A double click or Enter goes inside, Backspace out again; arrows move along the wires, W from wire to wire.'));
+    tellChosen('level');
     const all = [...nodes.keys()], at = all.find((n) => from !== undefined && level.blocks[n]?.[0] === from) ?? all.find((n) => level.blocks[n]);
     if (at !== undefined && (focus || from !== undefined)) choose(at, focus);
     else if (at !== undefined) { chosen = at; nodes.get(at)?.setAttribute('tabindex', '0'); }
@@ -303,5 +307,5 @@ R.Diagram = (() => {
     window.addEventListener('afterprint', () => { paper?.remove(); });
     go('');
   };
-  return { build, renew, has: () => level !== null, out, go, show, walk, keys: { v: () => document.getElementById('wire-values')?.click() } };
+  return { build, renew, has: () => level !== null, now: () => ({ texts, level, nodes, chosen, wire, place }), choose, follow, out, go, show, walk, keys: { v: () => document.getElementById('wire-values')?.click() } };
 })();

@@ -157,6 +157,21 @@ pub struct Drawing {
     pub svg: String,
     /// The wires in the order of `data-net`.
     pub nets: Vec<Net>,
+    /// The ports that are drawn.
+    pub ports: Vec<PortPlace>,
+}
+
+/// Where a port is drawn.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PortPlace {
+    /// The block, as `data-node` numbers it.
+    pub node: usize,
+    /// The port as connections name it: `motor.r`; `in.set` and `out.torque` for what leads out of the level.
+    pub end: String,
+    /// `i` where a signal goes in, `o` where one comes out, `c` for a conserving one.
+    pub kind: char,
+    /// Its place within the drawing, dots.
+    pub at: [f64; 2],
 }
 
 /// A wire of a drawing.
@@ -166,6 +181,8 @@ pub struct Net {
     pub title: String,
     /// Nodes at its ends, the source first.
     pub nodes: Vec<usize>,
+    /// The ports at its ends in the same order, as [`PortPlace::end`] has them; empty for what is within the drawing alone.
+    pub ends: Vec<String>,
     /// Whether it has a direction, as signals have.
     pub directed: bool,
 }

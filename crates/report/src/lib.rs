@@ -23,7 +23,7 @@ pub use assets::{Asset, DIAGRAM, MAIN, SCRIPTS, SPACE, STYLES, VENDORED, Vendore
 pub use corridor::{Few, few};
 pub use data::{
     Animation, Compared, Contact, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel,
-    PlanePicture, Probe, Report, Role, Rows, Series, Unseen,
+    PlanePicture, PortPlace, Probe, Report, Role, Rows, Series, Unseen,
 };
 pub use diagram::texts;
 pub use escape::escape;

@@ -9,7 +9,7 @@ macro_rules! own {
 }
 
 /// Scripts of the studio, in their order behind those of the page of a run.
-pub(crate) const OWN: [Asset; 13] = [
+pub(crate) const OWN: [Asset; 15] = [
     own!("desk.js"),
     own!("project.js"),
     own!("panel.js"),
@@ -17,6 +17,8 @@ pub(crate) const OWN: [Asset; 13] = [
     own!("live.js"),
     own!("values.js"),
     own!("motion.js"),
+    own!("edit.js"),
+    own!("text.js"),
     own!("runs.js"),
     own!("charts.js"),
     own!("linear.js"),

@@ -36,7 +36,7 @@ pub struct EditOptions {
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  blocksim edit rename servo.ron pid controller\n  blocksim edit rename arm.ron arm/link1/motor drive\n  \
-                        blocksim edit rename arm.ron arm/link1/in.torque moment\n\nReferences in connections, `record` and `simulation` follow, in all \
+                        blocksim edit rename arm.ron arm/link1/in.torque moment\n\nReferences in connections, `record`, `panel` and `simulation` follow, in all \
                         models beside this one that share the file, and so do comments that show how to `--set` it."
 )]
 pub struct RenameArgs {
@@ -54,7 +54,7 @@ pub struct RenameArgs {
 /// `blocksim edit delete`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  blocksim edit delete servo.ron encoder angle --dry-run\n\n\
-                        Ports that nothing is connected to any more are listed.")]
+                        Entries of `record`, `panel` and `simulation` that name them are removed; ports that nothing is connected to any more are listed.")]
 pub struct DeleteArgs {
     /// The model.
     pub model: PathBuf,

@@ -135,12 +135,15 @@ fn diagram() -> Diagram {
         signals: vec![Some("joint1.q".to_owned())],
         layers: serde_json::Value::Null,
     };
-    let net = Net { title: "joint1.q -> law.u".to_owned(), nodes: vec![0, 1], directed: true };
+    let net =
+        Net { title: "joint1.q -> law.u".to_owned(), nodes: vec![0, 1], ends: Vec::new(), directed: true };
     let probe = Probe { element: String::new(), path: "axis1.set".to_owned() };
     Diagram {
         note: "as it was".to_owned(),
         style: ".wire { stroke: var(--diagram-ink); }".to_owned(),
-        drawings: ["outer", "inner"].map(|name| Drawing { svg: svg(name), nets: vec![net.clone()] }).to_vec(),
+        drawings: ["outer", "inner"]
+            .map(|name| Drawing { svg: svg(name), nets: vec![net.clone()], ..Drawing::default() })
+            .to_vec(),
         levels: vec![level("", 0, vec![vec![probe]]), level("joint1", 1, vec![Vec::new()])],
         kinds: vec![Kind {
             name: "Gain".to_owned(),

@@ -18,7 +18,8 @@ fn series(name: &str, values: Vec<f64>) -> Series {
 
 /// A ramp from 0 to 4 V in 2 s that jumps to 10 V in the middle, and a current in 1000 points that no picture shows.
 fn report() -> Report {
-    let net = |title: &str| Net { title: title.to_owned(), nodes: vec![0, 1], directed: true };
+    let net =
+        |title: &str| Net { title: title.to_owned(), nodes: vec![0, 1], ends: Vec::new(), directed: true };
     let wire =
         |n: usize| format!("<g class=\"wire\" data-net=\"{n}\"><path d=\"M60 {0}H140\"/></g>", 20 + 10 * n);
     let svg = format!(
@@ -68,7 +69,7 @@ fn report() -> Report {
             ..Unseen::default()
         }],
         diagram: Diagram {
-            drawings: vec![Drawing { svg, nets }],
+            drawings: vec![Drawing { svg, nets, ..Drawing::default() }],
             levels: vec![Level {
                 blocks: vec![block("motor"), block("law")],
                 probes,

@@ -84,6 +84,16 @@ fn related(info: &BlockInfo, found: &[&BlockInfo]) -> String {
     if others.is_empty() { String::new() } else { format!("\nSee also {}.\n", others.join(", ")) }
 }
 
+/// Ports of the example of a kind; nothing where none can be built alone.
+pub fn interface(info: &BlockInfo) -> Option<blocksim_block::Interface> {
+    ports::interface(info)
+}
+
+/// All kinds by category and name, those of the hierarchy first.
+pub fn everything() -> Vec<&'static BlockInfo> {
+    all()
+}
+
 /// All kinds by category and name, those of the hierarchy first.
 fn all() -> Vec<&'static BlockInfo> {
     static OF_HIERARCHY: [BlockInfo; 2] = HIERARCHY;

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use blocksim_block::BlockInfo;
 use blocksim_diagram::{Content, Model, ModelBlock, Sources, origins};
-use blocksim_drawing::{Facts, Layer, Level as Drawable, all_levels, inline, style_sheet};
-use blocksim_layout::layout;
+use blocksim_drawing::{Facts, Layer, Level as Drawable, Look, all_levels, inline, style_sheet};
+use blocksim_layout::{PortKind, layout};
 use blocksim_picture::pretty_unit;
-use blocksim_report::{Drawing, Inspected, Kind, Level, Net, Probe, Report};
+use blocksim_report::{Drawing, Inspected, Kind, Level, Net, PortPlace, Probe, Report};
 use blocksim_signal::Dimension;
 use blocksim_syntax::Shape;
 use serde_json::{Value, json};
@@ -106,12 +106,42 @@ fn relative(mut level: Drawable) -> Drawable {
 }
 
 fn drawing(level: &Drawable) -> Drawing {
+    let laid_out = layout(&level.graph);
     let nets = level.graph.nets.iter().zip(&level.lines).map(|(net, line)| Net {
         title: line.title.clone(),
         nodes: net.ends.iter().map(|end| end.node).collect(),
+        ends: net.ends.iter().map(|end| end_of(level, end.node, end.port)).collect(),
         directed: net.directed,
     });
-    Drawing { svg: inline(level, &layout(&level.graph)), nets: nets.collect() }
+    let nets = nets.collect();
+    let mut ports = Vec::new();
+    for (node, placed) in laid_out.nodes.iter().enumerate() {
+        for (port, place) in placed.ports.iter().enumerate() {
+            let end = end_of(level, node, port);
+            if !end.is_empty() {
+                let kind = match level.figures[node].ports[port].kind {
+                    PortKind::Input => 'i',
+                    PortKind::Output => 'o',
+                    PortKind::Free => 'c',
+                };
+                ports.push(PortPlace { node, end, kind, at: [place.at.x, place.at.y] });
+            }
+        }
+    }
+    Drawing { svg: inline(level, &laid_out), nets, ports }
+}
+
+/// A port of a figure as connections name it; nothing where the bar at which a bus parts is fed.
+fn end_of(level: &Drawable, node: usize, port: usize) -> String {
+    let figure = &level.figures[node];
+    let (name, kind) = (&figure.ports[port].name, figure.ports[port].kind);
+    match (&figure.look, kind) {
+        (Look::Pill, PortKind::Output) => format!("in.{name}"),
+        (Look::Pill, _) => format!("out.{name}"),
+        (Look::Selector, PortKind::Output) => format!("{}.{name}", figure.name),
+        (Look::Selector, _) => String::new(),
+        _ => format!("{}.{name}", figure.name),
+    }
 }
 
 fn kind(info: &BlockInfo) -> Kind {

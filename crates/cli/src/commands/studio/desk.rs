@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
+use blocksim_edit::Learned;
 use blocksim_studio::{Desk, News, Reply};
 use serde_json::{Value, json};
 
@@ -11,7 +12,7 @@ use super::analysis::Questions;
 use super::model::{self, Shown, place};
 use super::runner::Runner;
 use super::values::{Changes, list, refusal};
-use super::{motion, name_of, project};
+use super::{edits, motion, name_of, project, texts};
 use crate::args::values::RUNS;
 use crate::commands::compare::page_of_both;
 use crate::commands::report;
@@ -31,6 +32,8 @@ pub struct Studio {
     sweeps: Questions,
     now: Mutex<Now>,
     changes: Mutex<Changes>,
+    /// What compilations have found of the blocks, for those who write.
+    learned: Mutex<Learned>,
 }
 
 struct Now {
@@ -69,6 +72,52 @@ impl Studio {
             console,
             now: Mutex::new(now),
             changes: Mutex::default(),
+            learned: Mutex::default(),
+        }
+    }
+
+    fn changes(&self) -> MutexGuard<'_, Changes> {
+        self.changes.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Files of the model, as it was read last.
+    fn files(&self) -> Vec<PathBuf> {
+        let now = self.now();
+        let all = now.shown.files.iter().map(|(path, _)| path.clone());
+        // One that cannot be read as a diagram has a text all the same.
+        let own = place(&self.root, &now.model);
+        std::iter::once(own.clone()).chain(all.filter(|path| *path != own)).collect()
+    }
+
+    /// Changes the diagram as somebody has seen it, unless it has been changed meanwhile.
+    fn edit(&self, model: &Path, body: &Value) -> Reply {
+        let now = self.now();
+        let is_seen = body["version"] == now.shown.version
+            && known(&now.shown) == times(&self.root, &now.model, &now.shown);
+        drop(now);
+        if !is_seen {
+            return Reply::refused(
+                "the model has been changed meanwhile",
+                "look at it as it is now, then try again",
+            );
+        }
+        let mut reply = edits::edit(&self.root, model, body, &mut self.changes(), self.console);
+        self.renew();
+        // Whoever goes on at once knows what has been read.
+        if let Reply::Data(data) = &mut reply {
+            data["version"] = self.now().shown.version.into();
+        }
+        reply
+    }
+
+    /// Reads the model anew at once, if its files have changed.
+    fn renew(&self) {
+        let mut now = self.now();
+        if times(&self.root, &now.model, &now.shown) != known(&now.shown) {
+            let version = now.shown.version + 1;
+            now.shown = model::read(&self.root, &now.model, version);
+            now.seen = times(&self.root, &now.model, &now.shown);
+            self.tell(&now);
         }
     }
 
@@ -254,7 +303,16 @@ impl Desk for Studio {
             "sweep" => self.sweeps.sweep(&place(&self.root, &model), body, &self.news),
             "plan" => motion::plan(&place(&self.root, &model), body),
             "kept" => motion::kept(&place(&self.root, &model), body["name"].as_str().unwrap_or_default()),
-            "set" | "undo" | "keep" | "fix" if !self.may_edit => Reply::refused(
+            "kinds" => edits::kinds(body),
+            "kind" => edits::kind_of(&self.root, &place(&self.root, &model), body),
+            "text" => texts::text(&self.root, &self.files(), body),
+            "draft" => {
+                texts::draft(&self.root, &place(&self.root, &model), &self.files(), body, &self.learned)
+            }
+            "complete" => {
+                texts::completions(&self.root, &place(&self.root, &model), &self.files(), body, &self.learned)
+            }
+            "set" | "undo" | "redo" | "keep" | "fix" | "edit" | "save" if !self.may_edit => Reply::refused(
                 "this page may not change files",
                 "start it with `blocksim studio --edit`; `Run with it` needs no file",
             ),
@@ -264,7 +322,10 @@ impl Desk for Studio {
             }
             "keep" => self.keep(&model, body),
             "fix" => self.fix(body),
-            "undo" => self.changes.lock().unwrap_or_else(PoisonError::into_inner).undo(),
+            "undo" => self.changes().undo(),
+            "redo" => self.changes().redo(),
+            "edit" => self.edit(&place(&self.root, &model), body),
+            "save" => texts::save(&self.root, &self.files(), body, &mut self.changes()),
             _ => Reply::Missing,
         }
     }

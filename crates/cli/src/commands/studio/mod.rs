@@ -9,15 +9,19 @@
 //! | `motion` | moves of its robot: planned, checked, kept |
 //! | `runner` | a run, as another process of this program |
 //! | `values` | parameters, and texts that change and change back |
+//! | `edits` | what is done to the picture, done to the texts; ports, kinds, choices |
+//! | `texts` | the text beside the picture: checked while it is written, completed, saved |
 //! | `joined` | a studio of the same project that runs already |
 
 mod analysis;
 mod desk;
+mod edits;
 mod joined;
 mod model;
 mod motion;
 mod project;
 mod runner;
+mod texts;
 mod values;
 
 use std::path::{Path, PathBuf};

@@ -12,6 +12,7 @@ use blocksim_drawing::Facts;
 use blocksim_report::{Report, texts};
 use serde_json::{Value, json};
 
+use super::edits;
 use crate::args::model::{ModelArgs, PluginArgs};
 use crate::commands::check::size;
 use crate::commands::report::diagram;
@@ -145,12 +146,16 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
     }
     let disk = Disk::default();
     let sources = Sources::new(&disk);
-    if let Some(model) = model(&sources, &args.model, &[]).0 {
+    let top = model(&sources, &args.model, &[]).0;
+    if let Some(model) = &top {
         let schedule = loaded.as_ref().and_then(|loaded| loaded.compiled.schedule.as_ref());
-        let facts = Facts::of(&model, schedule);
-        diagram::add(&model, &sources, &[], Some(&facts), &mut report);
+        let facts = Facts::of(model, schedule);
+        diagram::add(model, &sources, &[], Some(&facts), &mut report);
     }
     let mut drawn = texts(&report);
+    if let Some(model) = &top {
+        edits::wiring(model, &sources, &report, &mut drawn);
+    }
     let paths = |panel: &blocksim_report::Panel| -> Vec<String> {
         panel.series.iter().map(|series| series.path.clone()).collect()
     };

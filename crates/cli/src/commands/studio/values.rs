@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use blocksim_diagram::{Origin, Sources, Target, targets};
+use blocksim_edit::TextChange;
 use blocksim_recording::{MOST_TEXT, limited_text};
 use blocksim_studio::Reply;
 use serde_json::{Value, json};
@@ -11,6 +12,7 @@ use super::model::place;
 use crate::commands::params::set::edit;
 use crate::commands::params::table::{located, shown};
 use crate::disk::{Disk, write_file};
+use crate::editing::{take_back, write};
 use crate::failure::Failure;
 use crate::terminal::console::Console;
 use crate::terminal::diff::difference;
@@ -19,14 +21,16 @@ use crate::terminal::places::Texts;
 /// Most changes that can be taken back.
 const KEPT: usize = 200;
 
-/// What was written, so that it can be taken back.
+/// What was written, so that it can be taken back, and what was taken back.
 #[derive(Default)]
-pub struct Changes(Vec<Change>);
+pub struct Changes {
+    done: Vec<Change>,
+    undone: Vec<Change>,
+}
 
+/// Texts that were written together.
 struct Change {
-    path: PathBuf,
-    old: String,
-    new: String,
+    texts: Vec<TextChange>,
 }
 
 /// What a failure says, for the page.
@@ -84,39 +88,83 @@ impl Changes {
 
     /// Writes another text in the place of one that is still there.
     pub fn write(&mut self, path: PathBuf, old: String, new: String, told: &str) -> Reply {
-        if limited_text(&path, MOST_TEXT).ok().as_deref() != Some(&old) {
-            let message = format!("`{}` has been changed meanwhile", path.display());
-            return Reply::refused(message, "look at it as it is now");
-        }
-        if let Err(failure) = write_file(&path, new.as_bytes(), true) {
+        self.write_all(vec![TextChange { path, old: Some(old), new }], told)
+    }
+
+    /// Writes texts, all of them or none, in the place of those that are still there.
+    pub fn write_all(&mut self, texts: Vec<TextChange>, told: &str) -> Reply {
+        if let Err(failure) = write(&texts) {
             return refusal(failure);
         }
-        let done = json!({ "message": told, "difference": difference(&path, &old, &new) });
-        if self.0.len() == KEPT {
-            self.0.remove(0);
+        let done = json!({ "message": told, "difference": differences(&texts) });
+        if self.done.len() == KEPT {
+            self.done.remove(0);
         }
-        self.0.push(Change { path, old, new });
+        self.done.push(Change { texts });
+        self.undone.clear();
         Reply::Data(done)
     }
 
-    /// Takes the last change back, unless somebody else has changed the file since.
+    /// Takes the last change back, unless somebody else has changed the files since.
     pub fn undo(&mut self) -> Reply {
-        let Some(Change { path, old, new }) = self.0.pop() else {
+        let Some(change) = self.done.pop() else {
             return Reply::refused("nothing was changed here that could be taken back", "");
         };
-        let name = path.display();
-        if limited_text(&path, MOST_TEXT).ok().as_deref() != Some(&new) {
-            return Reply::refused(
-                format!("`{name}` has been changed by others since; it stays as it is"),
-                "take the change back in an editor",
-            );
+        // The way back is a change as well: the new texts become the old ones.
+        for TextChange { path, new, .. } in &change.texts {
+            if limited_text(path, MOST_TEXT).ok().as_deref() != Some(new) {
+                return Reply::refused(
+                    format!("`{}` has been changed by others since; it stays as it is", path.display()),
+                    "take the change back in an editor",
+                );
+            }
         }
-        match write_file(&path, old.as_bytes(), true) {
-            Ok(()) => Reply::Data(json!({
-                "message": format!("{name} is as it was before the last change"),
-                "difference": difference(&path, &new, &old),
-            })),
-            Err(failure) => refusal(failure),
+        for (n, text) in change.texts.iter().enumerate() {
+            if let Err(failure) = take_back(text) {
+                // What is half taken back would be another model.
+                for text in &change.texts[..n] {
+                    drop(write_file(&text.path, text.new.as_bytes(), text.old.is_some()));
+                }
+                self.done.push(change);
+                return refusal(failure);
+            }
         }
+        let difference: String = change
+            .texts
+            .iter()
+            .map(|TextChange { path, old, new }| difference(path, new, old.as_deref().unwrap_or_default()))
+            .collect();
+        let were = if change.texts.len() == 1 { "as it was" } else { "as they were" };
+        let message = format!("{} {were} before the last change", names(&change.texts));
+        self.undone.push(change);
+        Reply::Data(json!({ "message": message, "difference": difference }))
     }
+
+    /// Makes the change again that was taken back last.
+    pub fn redo(&mut self) -> Reply {
+        let Some(change) = self.undone.pop() else {
+            return Reply::refused("nothing was taken back that could be done again", "");
+        };
+        if let Err(failure) = write(&change.texts) {
+            return refusal(failure);
+        }
+        let message = format!("{} changed again", names(&change.texts));
+        let done = json!({ "message": message, "difference": differences(&change.texts) });
+        self.done.push(change);
+        Reply::Data(done)
+    }
+}
+
+/// What changes in texts.
+pub fn differences(texts: &[TextChange]) -> String {
+    texts
+        .iter()
+        .map(|text| difference(&text.path, text.old.as_deref().unwrap_or_default(), &text.new))
+        .collect()
+}
+
+/// `servo.ron is`, `servo.ron and drive.ron are`.
+fn names(texts: &[TextChange]) -> String {
+    let names: Vec<String> = texts.iter().map(|text| text.path.display().to_string()).collect();
+    format!("{} {}", names.join(" and "), if names.len() == 1 { "is" } else { "are" })
 }

@@ -151,6 +151,7 @@ impl Page {
             "F5" => 116,
             "Enter" => 13,
             "Escape" => 27,
+            "Delete" => 46,
             one => u32::from(one.to_uppercase().as_bytes()[0]),
         };
         let text = if key.chars().count() == 1 {
@@ -186,6 +187,33 @@ impl Page {
     pub fn replace(&mut self, text: &str) {
         self.value("document.activeElement.select()");
         self.ask("Input.insertText", json!({ "text": text }));
+    }
+
+    /// Types text where the cursor is.
+    pub fn insert(&mut self, text: &str) {
+        self.ask("Input.insertText", json!({ "text": text }));
+    }
+
+    /// Presses a key together with Ctrl.
+    pub fn control(&mut self, key: &str) {
+        let code = u32::from(key.to_uppercase().as_bytes()[0]);
+        for kind in ["rawKeyDown", "keyUp"] {
+            let event = json!({ "type": kind, "key": key, "windowsVirtualKeyCode": code, "modifiers": 2 });
+            self.ask("Input.dispatchKeyEvent", event);
+        }
+    }
+
+    /// Clicks the middle of what a selector finds.
+    pub fn click(&mut self, selector: &str) {
+        let place = format!(
+            "(() => {{ const at = document.querySelector({}).getBoundingClientRect(); return [at.x + at.width / 2, at.y + at.height / 2]; }})()",
+            json!(selector)
+        );
+        let at = self.value(&place);
+        for kind in ["mousePressed", "mouseReleased"] {
+            let event = json!({ "type": kind, "x": at[0], "y": at[1], "button": "left", "clickCount": 1 });
+            self.ask("Input.dispatchMouseEvent", event);
+        }
     }
 
     /// A picture of the page, for those who look at a test.

@@ -2,6 +2,7 @@
 
 mod analysis;
 mod browser;
+mod edit;
 mod panel;
 
 use std::fs;
@@ -192,12 +193,25 @@ fn whatever_is_sent_the_server_goes_on() {
         "{\"target\": \"\", \"value\": \"\"}",
         "{\"target\": \"gain.k\", \"value\": \"\\u0000\"}",
         "{\"set\": [1, {}], \"speed\": \"x\"}",
+        "{\"do\": \"delete\", \"blocks\": [\"gain\"], \"version\": 0}",
+        "{\"do\": \"add\", \"kind\": [], \"level\": 1, \"parameters\": [], \"into\": {}}",
+        "{\"file\": \"../servo.ron\", \"text\": \"\", \"base\": \"\", \"at\": -1}",
+        "{\"file\": \"servo.ron\", \"text\": \"(((\", \"base\": \"x\", \"at\": 1e99}",
+        "{\"kind\": \"Gain\", \"level\": \"a/b\", \"words\": \"\\u0000\"}",
         "\u{feff}{}",
     ];
     let paths = [
         "/",
         "/api/set",
+        "/api/edit",
+        "/api/save",
+        "/api/text",
+        "/api/draft",
+        "/api/complete",
+        "/api/kinds",
+        "/api/kind",
         "/api/undo",
+        "/api/redo",
         "/api/control",
         "/api/model",
         "/api/parameters",
