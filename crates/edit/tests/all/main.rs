@@ -1,7 +1,7 @@
 //! Edits of the diagrams that ship with the project.
 
-mod bits;
 mod random;
+mod same;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
