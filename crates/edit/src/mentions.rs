@@ -81,10 +81,13 @@ impl Gone {
     }
 }
 
+/// Brackets, the numbers of those of their entries that go, and which entry of others the brackets are.
+type Going<'n> = (&'n Node, Vec<usize>, Option<(&'n Node, usize)>);
+
 /// Takes the entries out that names are in.
 pub(crate) fn without<'n>(text: &str, root: &'n Node, spots: &[Range<usize>]) -> (Vec<Splice>, Gone) {
     let mut sections: BTreeSet<String> = BTreeSet::new();
-    let mut gone: Vec<(&'n Node, Vec<usize>, Option<(&'n Node, usize)>)> = Vec::new();
+    let mut gone: Vec<Going> = Vec::new();
     let mut note = |brackets: &'n Node, at, around| match gone
         .iter_mut()
         .find(|(known, ..)| std::ptr::eq(*known, brackets))

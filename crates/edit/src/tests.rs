@@ -187,7 +187,8 @@ fn panels_follow_what_they_turn_and_show() {
     assert_eq!(back.text("m.ron"), before);
     let at = before.find("\"k\":").expect("a parameter") + 1;
     let renaming = texts.try_it(|p| renamed(p, &Trees::default(), Path::new("m.ron"), at, "speed"));
-    let all = renaming.ok().expect("a name").texts("speed");
+    let Ok(renaming) = renaming else { panic!("a name") };
+    let all = renaming.texts("speed");
     let text = &all[Path::new("m.ron")];
     assert!(text.contains(r#"Knob("speed""#) && text.contains(r#"Slider(target: "gain.k""#), "{text}");
 

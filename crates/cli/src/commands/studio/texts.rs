@@ -265,8 +265,8 @@ mod tests {
         let text = "π = \"𝛑\", // 𝛑\nx";
         let mut units = Units::of(text);
         let quote = text.find('"').unwrap();
-        assert_eq!((units.at(quote), units.at(text.len()), units.at(quote)), (4, 15, 4));
-        assert_eq!((byte_at(text, 4), byte_at(text, 15), byte_at(text, 99)), (quote, text.len(), text.len()));
+        assert_eq!((units.at(quote), units.at(text.len()), units.at(quote)), (4, 17, 4));
+        assert_eq!((byte_at(text, 4), byte_at(text, 17), byte_at(text, 99)), (quote, text.len(), text.len()));
         assert_eq!(tokens("a: \"π\" // x"), json!([[0, 1, "k"], [3, 3, "t"], [7, 4, "c"]]));
     }
 }
