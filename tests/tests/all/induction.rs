@@ -145,7 +145,7 @@ fn units_inside_of_parameters_are_checked_where_they_stand() {
     .assert_eq(&said(&DOUBLE.replace("r_r2: 0.11", "r_r2: \"0.11 V\"")));
     expect![[r#"
         error[parameter]: `cage.r_r2` is in ohm, but `impedances: PerUnit` asks for none
-          model.ron:4:68 `Double(r_r2: "0.11 ohm", x_lr2: 0.05)` 
+          model.ron:4:81 `"0.11 ohm"` 
           note: in block `machine` (AsynchronousMachine)
           help: leave the unit away, or write `impedances: Ohm`
     "#]]
@@ -161,7 +161,7 @@ fn units_inside_of_parameters_are_checked_where_they_stand() {
 fn figures_that_fit_no_circuit_are_listed() {
     expect![[r#"
         error[parameter]: no circuit with two cages has all these figures; the nearest deviates: breakdown torque +2.7 %, current at standstill -3.5 %
-          model.ron:4:68 `(torque: 2.6, current: 7.3)` 
+          model.ron:4:91 `7.3` 
           note: in block `machine` (AsynchronousMachineByNamePlate)
           help: check the figures, change `leakage_ratio`, or accept it with `tolerance: "4 %"`
     "#]].assert_eq(&said(
