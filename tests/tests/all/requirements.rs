@@ -158,7 +158,7 @@ fn every_requirement_is_looked_at_and_the_parameter_is_named() {
             let case = format!("{}.{} = {value} against {requirement:?}", info.kind, parameter.name);
             let Some(problem) = found.iter().find(named) else { panic!("{case}: {found:?}") };
             assert!(!problem.labels.is_empty(), "{case} has no place: {problem:?}");
-            // A negative number of things is no value of its type, which is another message.
+            // A count below zero cannot be read as its type, which has a message of its own.
             let is_number = !(["u32", "usize"].contains(&parameter.rust_type) && value.starts_with('-'));
             let helps = problem.help.is_some() || problem.message.contains("must be");
             assert!(helps || !is_number, "{case}: {problem:?}");
