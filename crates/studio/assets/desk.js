@@ -4,7 +4,7 @@
 /* global R */
 
 /** @type {any} */ (R).Desk = (() => {
-  /** @type {Record<string, ((data: any) => void)[]>} */ const readers = {};
+  /** @type {Record<string, ((data: any, id: number) => void)[]>} */ const readers = {};
   const lost = () => /** @type {HTMLElement} */ (document.getElementById('lost'));
 
   /** What the program answers; what it refuses is thrown, with its reason. @param {string} path @param {any} [body] */
@@ -18,18 +18,18 @@
     throw Object.assign(new Error(why?.message ?? 'the program refused'), { why });
   };
 
-  /** Hears news of a name. @param {string} name @param {(data: any) => void} does */
+  /** Hears news of a name, with their number. @param {string} name @param {(data: any, id: number) => void} does */
   const on = (name, does) => { (readers[name] ??= []).push(does); };
 
   /** Begins to listen; whatever was missed is asked for anew when the program is there again. */
   const listen = () => {
-    const source = new EventSource('/api/news');
-    source.addEventListener('open', () => { lost().hidden = true; for (const does of readers.open ?? []) does(null); });
-    source.addEventListener('error', () => { lost().hidden = false; });
-    for (const [name, all] of Object.entries(readers)) {
-      if (name === 'open') continue;
-      source.addEventListener(name, (event) => { const data = JSON.parse(/** @type {MessageEvent} */ (event).data); for (const does of all) does(data); });
-    }
+    const all = (/** @type {string} */ name, /** @type {any} */ data, /** @type {number} */ id) => { for (const does of readers[name] ?? []) does(data, id); };
+    /** @type {any} */ (R).Stream.begin({
+      names: Object.keys(readers).filter((name) => name !== 'open'),
+      news: all,
+      here: (/** @type {boolean} */ missed) => { lost().hidden = true; if (missed) all('open', null, 0); },
+      lost: () => { lost().hidden = false; },
+    });
   };
 
   /** A line at the foot of the page, which is read out as well. @param {string} text @param {boolean} [bad] */

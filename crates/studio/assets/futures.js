@@ -152,5 +152,5 @@
   };
   /** How the run is. @param {any} state */
   const renew = (state) => { futures(state); command(state); told(); };
-  return { build, renew, begin, leave, told, back, mark: () => { if (!place.bar.hidden) place.mark.click(); }, chosen: () => chosen, reach, left: () => left };
+  return { build, renew, begin, leave, told, back, mark: () => { if (!place.bar.hidden) place.mark.click(); }, chosen: () => chosen, note, instants: () => instants, adopt: (/** @type {{t: number, text: string}[]} */ all) => { for (const { t, text } of all) note(t, text); }, reach, left: () => left };
 })();

@@ -16,6 +16,9 @@
   let read = 0, readLater = 0;
   let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, draws = false, wanted = '', model = '';
   /** Signals that are recorded beside those of the model. @type {Set<string>} */ const extra = new Set();
+  /** What came before, and is not known here yet, is asked for; news wait for it. */ let behind = true;
+  /** @type {[number, () => void][]} */ let waiting = [];
+  /** Which run is shown, how often it was missed, and the last news that what was asked for contains. */ let number = 0, missed = 0, known = 0;
   /** @type {any} */ const place = { line: null, bar: null, pause: null, step: null, speed: null, follow: null };
   const running = () => state?.state === 'running' || state?.state === 'paused';
 
@@ -74,8 +77,12 @@
     for (const u of [panel.main, panel.strip]) u?.setScale('x', { min, max });
   };
 
+  /** Does what news bring, when all before them is known. @param {number} id @param {() => void} does */
+  const ordered = (id, does) => { if (behind) waiting.push([id, does]); else if (id > known) does(); };
+
   /** Adds rows. @param {any} told */
   const add = (told) => {
+    if (!columns.length) return;
     const times = new Float64Array(bytes(told.t)), values = new Float32Array(bytes(told.values));
     const more = times.length;
     if (rows + more > columns[0]?.length) {
@@ -258,9 +265,9 @@
     Futures.build(past, { control, rows: () => rows, time: last, state: () => state, draws: () => draws, redraw: draw, goesBack: () => ['running', 'paused', 'done', 'failed'].includes(state?.state) });
     Panel.build(document.getElementById('panel'), { running, set: (/** @type {string} */ set) => control({ do: 'set', set }) });
     told();
-    Desk.on('scopes', (/** @type {any} */ data) => { R.guarded('The scopes', () => scopes(data)); });
-    Desk.on('rows', add);
-    Desk.on('back', back);
+    Desk.on('scopes', (/** @type {any} */ data, /** @type {number} */ id) => ordered(id, () => { number = state?.number ?? 0; R.guarded('The scopes', () => scopes(data)); }));
+    Desk.on('rows', (/** @type {any} */ data, /** @type {number} */ id) => ordered(id, () => add(data)));
+    Desk.on('back', (/** @type {any} */ data, /** @type {number} */ id) => ordered(id, () => back(data)));
     Desk.on('tuned', (/** @type {any} */ told) => {
       const { t, set, refused, help, without_effect: lost } = told;
       Panel.tuned(told);
@@ -303,13 +310,23 @@
   /** What has been set for runs, as `--set` takes it: what stands in the fields. */
   const settings = () => [...Panel.settings(), ...[...knobs].filter(([, one]) => one.field.value !== one.field.defaultValue).map(([name, one]) => `${name}=${one.field.value}`)];
 
-  /** What a run that goes on, or the last one, has shown before this page was there. */
+  /** What a run that goes on, or the last one, has shown before this page was there, or while it was not. */
   const catchUp = async () => {
-    if (rows || !['running', 'paused', 'done', 'stopped', 'failed'].includes(state?.state)) return;
-    const { scopes: told, rows: all } = await Desk.ask('live');
-    if (!told || rows) return;
-    R.guarded('The scopes', () => scopes(told));
-    for (const one of all) if (one.type === 'back') back(one); else add(one);
+    if (!behind) return;
+    const mine = missed, { at, number: run, scopes: told, rows: all } = await Desk.ask('live');
+    if (!behind || mine !== missed) return;
+    // Of a program that has just been started nothing is known; what is here stays.
+    if (told) {
+      const marks = run === number ? Futures.instants() : [];
+      number = run;
+      R.guarded('The scopes', () => scopes(told));
+      for (const one of all) if (one.type === 'back') back(one); else add(one);
+      Futures.adopt(marks);
+    }
+    // News may come later than the answer that contains them.
+    [behind, known] = [false, at];
+    for (const [id, does] of waiting) ordered(id, does);
+    waiting = [];
   };
   const fit = () => {
     for (const panel of panels) for (const u of [panel.main, panel.strip]) {
@@ -317,5 +334,5 @@
       if (width > 0) u.setSize({ width, height: u.heights.screen });
     }
   };
-  return { build, renew, turn, record, of, run, again: () => { fresh = true; }, start, fit, span, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
+  return { build, renew, turn, record, of, run, again: () => { fresh = true; behind = true; waiting = []; missed++; }, start, fit, span, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
 })();

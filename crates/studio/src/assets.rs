@@ -9,7 +9,8 @@ macro_rules! own {
 }
 
 /// Scripts of the studio, in their order behind those of the page of a run.
-pub(crate) const OWN: [Asset; 15] = [
+pub(crate) const OWN: [Asset; 16] = [
+    own!("stream.js"),
     own!("desk.js"),
     own!("project.js"),
     own!("panel.js"),

@@ -85,7 +85,12 @@ impl Runner {
         let now = self.now();
         let rows: Vec<&str> = now.rows.iter().map(String::as_str).collect();
         let scopes = now.scopes.as_deref().unwrap_or("null");
-        Reply::Text(format!("{{\"scopes\":{scopes},\"rows\":[{}]}}", rows.join(",")).into())
+        // Which news they contain: whoever hears news at the same time adds none twice.
+        let (at, number) = (self.news.last(), now.number);
+        let rows = rows.join(",");
+        Reply::Text(
+            format!("{{\"at\":{at},\"number\":{number},\"scopes\":{scopes},\"rows\":[{rows}]}}").into(),
+        )
     }
 
     /// Changes the state and tells it.
@@ -154,7 +159,7 @@ impl Runner {
         self.change(&mut now, |state| {
             *state = json!({
                 "state": "starting", "model": model.display().to_string(), "set": sets, "record": records, "changes": [],
-                "futures": [],
+                "futures": [], "number": number,
             });
         });
         drop(now);
@@ -247,10 +252,11 @@ impl Runner {
         match event["type"].as_str() {
             Some("scopes") => {
                 let line = line.trim_end();
-                self.now().scopes = Some(line.to_owned());
+                let mut now = self.now();
+                now.scopes = Some(line.to_owned());
                 self.news.tell("scopes", line);
-                let was_paused = std::mem::take(&mut self.now().begins_paused);
-                self.tell(|state| {
+                let was_paused = std::mem::take(&mut now.begins_paused);
+                self.change(&mut now, |state| {
                     state["state"] = if was_paused { "paused" } else { "running" }.into();
                     state["until"] = event["until"].clone();
                     state["t"] = 0.0.into();
@@ -258,7 +264,8 @@ impl Runner {
             }
             Some("rows") => {
                 let line = line.trim_end();
-                self.now().keep(line);
+                let mut now = self.now();
+                now.keep(line);
                 self.news.tell("rows", line);
             }
             Some("tuned") => {

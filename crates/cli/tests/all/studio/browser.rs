@@ -21,6 +21,8 @@ pub struct Page {
     from: File,
     read: Vec<u8>,
     session: String,
+    /// Tabs of the browser: their targets and sessions.
+    tabs: Vec<(String, String)>,
     asked: u64,
     /// What the page complained about.
     pub complaints: Vec<String>,
@@ -70,15 +72,47 @@ impl Page {
         let to = OpenOptions::new().write(true).open(folder.join("to")).expect("a pipe");
         let from = File::open(folder.join("from")).expect("a pipe");
         let complaints = Vec::new();
-        let mut page =
-            Page { folder, child, to, from, read: Vec::new(), session: String::new(), asked: 0, complaints };
-        let target = page.ask("Target.createTarget", json!({ "url": "about:blank" }))["targetId"].clone();
-        let attached = page.ask("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
-        page.session = attached["sessionId"].as_str().expect("a session").to_owned();
-        for domain in ["Page", "Runtime", "Log"] {
-            page.ask(&format!("{domain}.enable"), json!({}));
-        }
+        let (read, session, tabs) = (Vec::new(), String::new(), Vec::new());
+        let mut page = Page { folder, child, to, from, read, session, tabs, asked: 0, complaints };
+        page.tab();
         Some(page)
+    }
+
+    /// Opens one more tab of the browser, and speaks with it from now on.
+    pub fn tab(&mut self) {
+        self.session.clear();
+        let target = self.ask("Target.createTarget", json!({ "url": "about:blank" }))["targetId"].clone();
+        let attached = self.ask("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
+        self.session = attached["sessionId"].as_str().expect("a session").to_owned();
+        self.tabs.push((target.as_str().expect("a target").to_owned(), self.session.clone()));
+        for domain in ["Page", "Runtime", "Log"] {
+            self.ask(&format!("{domain}.enable"), json!({}));
+        }
+    }
+
+    /// Runs a script in each page of the present tab before its own.
+    pub fn before(&mut self, script: &str) {
+        self.ask("Page.addScriptToEvaluateOnNewDocument", json!({ "source": script }));
+    }
+
+    /// Looks at another tab, and speaks with it from now on.
+    pub fn turn_to(&mut self, tab: usize) {
+        self.session.clone_from(&self.tabs[tab].1);
+        // Who is not looked at draws nothing.
+        self.ask("Page.bringToFront", json!({}));
+    }
+
+    /// Closes a tab, and speaks with the first one that is left.
+    pub fn close(&mut self, tab: usize) {
+        let (target, _) = self.tabs.remove(tab);
+        self.session.clear();
+        self.ask("Target.closeTarget", json!({ "targetId": target }));
+        self.turn_to(0);
+    }
+
+    /// How many tabs there are.
+    pub fn tabs(&self) -> usize {
+        self.tabs.len()
     }
 
     fn message(&mut self) -> Value {

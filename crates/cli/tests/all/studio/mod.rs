@@ -4,6 +4,7 @@ mod analysis;
 mod browser;
 mod edit;
 mod panel;
+mod tabs;
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
