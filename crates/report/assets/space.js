@@ -19,6 +19,8 @@ R.Space = (() => {
   /** @type {{shape: any, mesh: any, local: Float64Array}[]} */ let parts = [];
   /** @type {number[][]} */ let path = [];
   /** @type {Record<string, any>} */ const shown = {};
+  /** A pose that is shown instead of that at the present time, one number for each position. @type {ArrayLike<number>|null} */ let held = null;
+  /** What else is drawn, over everything. @type {((pen: any, here: Float64Array[]) => void)[]} */ const layers = [];
   let asked = false, seen = true, frame = 0, slow = 0, fine = 1, last = 0, rest = 0;
   const triad = (/** @type {number} */ size) => [[0, 0, 0, size, 0, 0], [0, 0, 0, 0, size, 0], [0, 0, 0, 0, 0, size]];
   const small = triad(0.12), large = triad(0.4), AXES = [[0.85, 0.2, 0.2, 1], [0.1, 0.6, 0.25, 1], [0.15, 0.4, 0.95, 1]];
@@ -29,6 +31,8 @@ R.Space = (() => {
   /** What touches at a time. @param {number} t */
   const touches = (t) => (data.contacts ?? []).filter((/** @type {Contact} */ [from, to]) => from <= t && t <= to);
 
+  /** A position of the pose that is shown. @param {number} n */
+  const position = (n) => held ? held[n] : R.at(data.time, data.positions[n], Math.min(Math.max(R.now, data.time[0]), data.time[data.time.length - 1]));
   /** @param {boolean} set */
   const poses = (set, t = R.now) => {
     const rows = set && data.set ? data.set : data.positions;
@@ -55,7 +59,7 @@ R.Space = (() => {
     pen.begin(C.looking(canvas), C.sun(), rgb('raised'));
     pen.lines(floor, ground, [...rgb('grid'), 1]);
     large.forEach((line, n) => pen.lines(line, one, AXES[n]));
-    const here = poses(false);
+    const here = held ? S.poses(scene, position) : poses(false);
     if (path.length && shown.path.checked) for (const line of path) pen.lines(line, one, [...rgb('s1'), 1]);
     for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(here[shape.body], local), [...(shape.colour?.slice(0, 3) ?? (shape.around ? AROUND : LINKS[Math.min(shape.body, 6)])), 1]);
     if (data.set && shown.ghost.checked) {
@@ -70,6 +74,7 @@ R.Space = (() => {
       for (const at of here.slice(1)) small.forEach((line, n) => pen.lines(line, at, AXES[n]));
     }
     if (shown.masses.checked) for (const mass of scene.masses) pen.solid(ball, S.times(here[mass.body], S.placed({ translation: mass.com, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] })), [...rgb('alarm'), 1]);
+    for (const draw of layers) draw(pen, here);
     const at = toolAt(here);
     alarm.textContent = touches(R.now).map((/** @type {Contact} */ [, , one, other]) => `${one} touches ${other}`).join('\n');
     pose.textContent = at ? `${tool ? tool.name : scene.bodies[scene.bodies.length - 1].name}\nx ${(at[12] * 1000).toFixed(1)} mm\ny ${(at[13] * 1000).toFixed(1)} mm\nz ${(at[14] * 1000).toFixed(1)} mm` : '';
@@ -204,9 +209,13 @@ R.Space = (() => {
     ask();
   };
 
+  /** Shows a pose until another one is given, or nothing: then that at the present time. @param {ArrayLike<number>|null} pose */
+  const hold = (pose) => { held = pose; ask(); };
+  const stage = () => ({ canvas, scene, parts });
+
   const flip = (/** @type {string} */ key) => () => { shown[key].checked = !shown[key].checked; ask(); };
   /** @type {Record<string, () => void>} */
   const keys = { g: flip('ghost'), p: flip('path'), m: flip('frames'), c: flip('masses'), f: () => { fit(); ask(); } };
   for (const number of Object.keys(C.VIEWS)) keys[number] = () => look(number);
-  return { build, renew, fit, keys, poses, paint };
+  return { build, renew, fit, keys, poses, paint, ask, hold, position, layers, stage };
 })();

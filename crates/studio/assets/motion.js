@@ -4,7 +4,7 @@
 /* global R, uPlot */
 
 /** @type {any} */ (R).Motion = (() => {
-  const { Desk, Live } = /** @type {any} */ (R);
+  const { Desk, Live, Joints } = /** @type {any} */ (R);
   /** How long the keys may rest before a move is planned, ms. */
   const REST = 15;
   /** @type {any} */ let robot = null;
@@ -32,7 +32,7 @@
   /** @param {string} label @param {any} owner @param {string|number} key @param {string} unit @param {string} [hint] */
   const field = (label, owner, key, unit, hint) => {
     const input = R.make('input', { type: 'text', value: owner[key] ?? '', 'aria-label': label, size: '9', spellcheck: 'false', inputmode: 'decimal' });
-    input.addEventListener('input', () => { owner[key] = input.value; look(); });
+    input.addEventListener('input', () => { owner[key] = input.value; release(); look(); });
     return R.make('label', { class: 'field' }, R.make('span', {}, label), input, R.make('span', { class: 'note' }, [unit, hint].filter(Boolean).join('  ')));
   };
   /** @param {string} label @param {any} owner @param {string} key @param {string[]} words */
@@ -43,8 +43,27 @@
     return R.make('label', { class: 'field' }, R.make('span', {}, label), select);
   };
 
+  /** Fields of the axes. @type {Record<string, any[]>} */ let inputs = { from: [], to: [] };
+  /** What a field of an axis is worth, ° or mm; of what is no number the last one that was. @param {string} which @param {number} n */
+  const worth = (which, n) => {
+    const text = (typed[which][n] ?? '').trim(), [, front, unit] = /^([^a-z°]*(?:\de[+-]?\d+)?)\s*([a-z°]*)$/i.exec(text) ?? [];
+    const own = robot.axes[n].unit === 'mm' ? { '': 1, mm: 1, cm: 10, m: 1000 } : { '': 1, '°': 1, deg: 1, rad: 180 / Math.PI };
+    const x = number(front ?? '') * (/** @type {any} */ (own)[unit ?? ''] ?? NaN);
+    if (!Number.isNaN(x)) good[which][n] = x;
+    return good[which][n] ?? robot.axes[n].start;
+  };
+  /** @type {Record<string, number[]>} */ const good = { from: [], to: [] };
+  /** The pose that was held is let go: what was typed counts, or the present time. */
+  const release = () => {
+    if (!place.seen) return;
+    place.seen.classList.remove('held');
+    if (drawn3d) R.Space.hold(null);
+    Joints.show();
+  };
+
   /** The form for the kind of move at hand. */
   const form = () => {
+    inputs = { from: [], to: [] };
     const isJoint = typed.kind === 'joint', axes = robot.axes;
     const kinds = R.make('fieldset', { class: 'kinds' }, R.make('legend', {}, 'Kind of move'), ...[['joint', 'joint'], ['linear', 'line of the tool'], ['circular', 'arc of the tool']].map(([kind, text]) => {
       const input = R.make('input', { type: 'radio', name: 'kind', value: kind });
@@ -56,7 +75,8 @@
       const told = R.make('td', { class: 'told', role: 'alert' });
       const cell = (/** @type {string} */ which) => {
         const input = R.make('input', { type: 'text', value: typed[which][n] ?? '', 'aria-label': `${axis.name} ${which === 'from' ? 'start' : 'target'}`, size: '8', spellcheck: 'false', inputmode: 'decimal' });
-        input.addEventListener('input', () => { typed[which][n] = input.value; look(); });
+        input.addEventListener('input', () => { typed[which][n] = input.value; release(); look(); });
+        inputs[which][n] = input;
         return R.make('td', {}, input);
       };
       return { told, row: R.make('tr', {}, R.make('th', { scope: 'row' }, axis.name), cell('from'), ...(isJoint ? [cell('to')] : []), R.make('td', { class: 'note' }, `${point(axis.lower, 0)} … ${point(axis.upper, 0)} ${axis.unit}`), told) };
@@ -72,6 +92,7 @@
       : [...three('point', 'target'), ...(typed.kind === 'circular' ? three('via', 'through') : []), choice('orientation', typed, 'orientation', ['free', 'fixed', 'tool-axis']), choice('profile', typed, 'profile', ['sin2', 'trapezoid', 's-curve', 'time-optimal']),
         field('speed', typed, 'speed', 'mm/s', `at most ${point(robot.speed, 0)}`), field('acceleration', typed, 'share', `% of ${point(robot.acceleration, 1)} m/s²`), field('resolution', typed, 'resolution', 'mm')];
     place.form.replaceChildren(kinds, table, copies, ...rest);
+    release();
   };
 
   /** Looks at what was typed: at once what a field lacks, then the whole move. */
@@ -83,7 +104,11 @@
     clearTimeout(waiting);
     waiting = setTimeout(plan, REST);
   };
-  const request = () => ({ ...typed, velocity: typed.velocity, acceleration: typed.acceleration });
+  /** What is typed, as it is planned: a bare number of an axis that slides is in the mm that stand beside it. */
+  const request = () => {
+    const own = (/** @type {string[]} */ all) => all.map((text, n) => robot.axes[n]?.unit === 'mm' && !Number.isNaN(number(text ?? '')) ? `${text.trim()} mm` : text);
+    return { ...typed, from: own(typed.from), to: own(typed.to) };
+  };
 
   const plan = async () => {
     const own = ++asked, begin = performance.now();
@@ -104,7 +129,7 @@
       place.result.replaceChildren(R.make('p', { class: 'bad' }, message), why?.help ? R.make('p', { class: 'note' }, why.help) : '');
       // What is seen is not what stands in the fields.
       place.old.hidden = !plot;
-      place.seen.classList.toggle('old', true);
+      place.seen.classList.toggle('old', plot !== null);
       buttons();
     }
     /** @type {any} */ (window).__m.planned = performance.now() - begin;
@@ -140,23 +165,25 @@
       }, columns, place.plot);
       R.onTheme.push(() => plot.redraw(false, true));
     } else plot.setData(columns);
-    const joints = robot.scene?.bodies.filter((/** @type {any} */ body) => body.motion.kind !== 'fixed') ?? [];
+    const positions = found.course.map((/** @type {any} */ axis) => Float64Array.from(axis.q));
+    const set = positions.map((/** @type {Float64Array} */ q) => new Float64Array(q.length).fill(q[q.length - 1]));
+    shown();
+    if (drawn3d) R.Space.renew(time, positions, set);
+    R.setTime(Math.min(R.now, found.duration));
+    tell();
+  };
+  /** The mechanism as it stands at the start, before anything is planned. */
+  const mechanism = () => {
+    const joints = robot.scene?.bodies.flatMap((/** @type {any} */ body, /** @type {number} */ n) => body.motion.kind === 'fixed' ? [] : [n]) ?? [];
     // Where each joint is an axis, and none is another thing, the mechanism is that of the model.
-    if (joints.length !== robot.axes.length || joints.some((/** @type {any} */ body) => body.motion.kind === 'ball')) {
+    if (joints.length !== robot.axes.length || joints.some((/** @type {number} */ n) => robot.scene.bodies[n].motion.kind === 'ball')) {
       const why = robot.scene ? 'The mechanism is not shown: the model has other joints than the axes of the robot.' : 'The mechanism is shown when the model has been run once, since its plug-ins are not known before.';
       document.getElementById('space-view')?.replaceChildren(R.make('p', { class: 'note' }, why));
       return;
     }
-    const positions = found.course.map((/** @type {any} */ axis) => Float64Array.from(axis.q));
-    const set = positions.map((/** @type {Float64Array} */ q) => new Float64Array(q.length).fill(q[q.length - 1]));
-    shown();
-    if (!drawn3d) {
-      drawn3d = true;
-      R.data.space = { scene: robot.scene, time, positions, set, contacts: [], surfaces: [] };
-      R.guarded('The 3D view', R.Space.build);
-    } else R.Space.renew(time, positions, set);
-    R.setTime(Math.min(R.now, found.duration));
-    tell();
+    const positions = robot.axes.map((/** @type {any} */ axis, /** @type {number} */ n) => new Float64Array(2).fill(worth('from', n) * (axis.unit === 'mm' ? 1e-3 : Math.PI / 180)));
+    R.data.space = { scene: robot.scene, time: Float64Array.of(0, 1), positions, set: positions, contacts: [], surfaces: [] };
+    R.guarded('The 3D view', () => { R.Space.build(); drawn3d = true; Joints.mechanism(joints); });
   };
   /** The times of the page are those of the move while it is looked at. */
   const shown = () => { if (found && !place.form.closest('section').hidden) { R.span = [0, found.duration]; place.slider.max = String(found.duration); } };
@@ -165,6 +192,7 @@
   const play = () => {
     if (playing) { cancelAnimationFrame(playing); playing = 0; place.play.textContent = '▶'; return; }
     if (!found) return;
+    release();
     if (R.now >= found.duration - 1e-6) R.setTime(0);
     let before = performance.now();
     place.play.textContent = '❚❚';
@@ -222,18 +250,25 @@
     place.form = R.make('div', { class: 'move-form' });
     place.result = R.make('div', { class: 'move-result', 'aria-live': 'polite' });
     place.plot = R.make('div', { class: 'card' });
+    place.joints = R.make('div', { class: 'joints' });
     place.play = Desk.button('▶', play, { 'aria-label': 'Play or stop', title: 'Play or stop' });
     place.slider = R.make('input', { type: 'range', min: '0', max: '1', step: 'any', value: '0', 'aria-label': 'Time of the move' });
-    place.slider.addEventListener('input', () => { R.setTime(Number(place.slider.value)); tell(); });
+    place.slider.addEventListener('input', () => { release(); R.setTime(Number(place.slider.value)); tell(); });
     place.clock = R.make('output', { class: 'note' });
     place.bar = R.make('p', { class: 'keep' });
-    place.old = R.make('p', { class: 'note', hidden: '' }, 'This is the last move that could be planned.');
-    place.seen = R.make('div', { class: 'move-seen' }, place.old, R.make('div', { id: 'space-view' }), R.make('p', { class: 'move-time' }, place.play, place.slider, place.clock), place.plot);
+    place.old = R.make('p', { class: 'note', hidden: '' }, 'Path and curves are those of the last move that could be planned.');
+    place.seen = R.make('div', { class: 'move-seen' }, place.old, R.make('div', { id: 'space-view' }), R.make('p', { class: 'move-time' }, place.play, place.slider, place.clock), place.joints, place.plot);
+    Joints.build(place.joints, {
+      axes: robot.axes, isJoint: () => typed.kind === 'joint', value: worth, text: (/** @type {string} */ which, /** @type {number} */ n) => typed[which][n] ?? '',
+      set: (/** @type {string} */ which, /** @type {number} */ n, /** @type {string} */ text) => { typed[which][n] = text; if (inputs[which][n]) inputs[which][n].value = text; look(); },
+      held: (/** @type {boolean} */ is) => place.seen.classList.toggle('held', is),
+    });
     bar();
     view.replaceChildren(place.bar, R.make('div', { class: 'move-parts' }, R.make('div', {}, place.form, place.result), place.seen));
     plot = null;
     drawn3d = false;
     form();
+    mechanism();
     look();
   };
 

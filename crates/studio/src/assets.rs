@@ -9,7 +9,7 @@ macro_rules! own {
 }
 
 /// Scripts of the studio, in their order behind those of the page of a run.
-pub(crate) const OWN: [Asset; 16] = [
+pub(crate) const OWN: [Asset; 17] = [
     own!("stream.js"),
     own!("desk.js"),
     own!("project.js"),
@@ -17,6 +17,7 @@ pub(crate) const OWN: [Asset; 16] = [
     own!("futures.js"),
     own!("live.js"),
     own!("values.js"),
+    own!("joints.js"),
     own!("motion.js"),
     own!("edit.js"),
     own!("text.js"),

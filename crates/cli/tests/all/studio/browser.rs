@@ -217,6 +217,64 @@ impl Page {
         }
     }
 
+    /// Presses a key with Alt (1), Ctrl (2), Shift (8), or several of them.
+    pub fn chord(&mut self, key: &str, modifiers: u32) {
+        let number = match key {
+            "Tab" => 9,
+            "Enter" => 13,
+            one if one.len() == 1 => u32::from(one.to_uppercase().as_bytes()[0]),
+            _ => 0,
+        };
+        for kind in ["rawKeyDown", "keyUp"] {
+            let event =
+                json!({ "type": kind, "key": key, "windowsVirtualKeyCode": number, "modifiers": modifiers });
+            self.ask("Input.dispatchKeyEvent", event);
+        }
+    }
+
+    /// Draws the mouse from one point to another with its button pressed; `lets_go` there, or holds it.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2], lets_go: bool) {
+        const STEPS: u32 = 4;
+        let mut event = |kind: &str, [x, y]: [f64; 2], buttons: u32| {
+            let button = if kind == "mouseMoved" { "none" } else { "left" };
+            let event = json!({ "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1 });
+            self.ask("Input.dispatchMouseEvent", event);
+        };
+        event("mouseMoved", from, 0);
+        event("mousePressed", from, 1);
+        for n in 1..=STEPS {
+            let share = f64::from(n) / f64::from(STEPS);
+            event("mouseMoved", [0, 1].map(|k| from[k] + share * (to[k] - from[k])), 1);
+        }
+        if lets_go {
+            event("mouseReleased", to, 0);
+        }
+    }
+
+    /// Draws a finger from one point to another.
+    pub fn swipe(&mut self, from: [f64; 2], to: [f64; 2]) {
+        for (kind, points) in [("touchStart", vec![from]), ("touchMove", vec![to]), ("touchEnd", vec![])] {
+            let points: Vec<Value> = points.iter().map(|[x, y]| json!({ "x": x, "y": y })).collect();
+            self.ask("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
+            // Fingers are followed from picture to picture.
+            self.value(
+                "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(null))))",
+            );
+        }
+    }
+
+    /// The page as wide and high as this, of dots that are so many times as large.
+    pub fn size(&mut self, width: u32, height: u32, scale: u32) {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": scale, "mobile": false });
+        self.ask("Emulation.setDeviceMetricsOverride", size);
+    }
+
+    /// What the page is for those who do not see it: all nodes of its accessibility tree.
+    pub fn tree(&mut self) -> Vec<Value> {
+        let mut tree = self.ask("Accessibility.getFullAXTree", json!({}));
+        tree["nodes"].as_array_mut().map(std::mem::take).unwrap_or_default()
+    }
+
     /// Types text where the focus is, in the place of what is there.
     pub fn replace(&mut self, text: &str) {
         self.value("document.activeElement.select()");

@@ -3,6 +3,7 @@
 mod analysis;
 mod browser;
 mod edit;
+mod joints;
 mod panel;
 mod tabs;
 
@@ -459,6 +460,24 @@ fn with_robot() -> Desk {
         assert!(copied.expect("cp").success());
     }
     desk
+}
+
+/// A folder with a small robot, one of whose axes slides.
+fn with_scara() -> Desk {
+    let desk = Desk::with(&[]);
+    let from = crate::support::root().join("diagrams/scara");
+    for name in ["scara.ron", "manipulator.ron", "cell.ron", "pick.ron"] {
+        fs::copy(from.join(name), desk.0.join(name)).expect("a file");
+    }
+    desk
+}
+
+/// The motion planner of the small robot.
+fn planner(studio: &Studio) -> Option<Page> {
+    let mut page = shown(studio)?;
+    page.value("location.hash = '#motion'");
+    page.until("document.querySelectorAll('.joint').length === 4 && window.__m.frames > 0");
+    Some(page)
 }
 
 #[test]
