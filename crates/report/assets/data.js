@@ -24,6 +24,7 @@ const R = {
   /** @type {any} */ Meshes: null,
   /** @type {any} */ Draw3d: null,
   /** @type {any} */ Camera: null,
+  /** @type {any} */ Recorder: null,
   /** @type {any} */ Signals: null,
   /** @type {any} */ Wires: null,
   /** @type {any} */ Diagram: null,

@@ -45,7 +45,7 @@ R.Space = (() => {
 
   const paint = () => {
     asked = false;
-    if (!seen) return;
+    if (!seen && !R.Recorder.active()) return;
     const pen = data.pen, begin = performance.now();
     // Where pictures follow each other slowly, as without a graphics card, half the dots will do, or a third.
     slow = begin - last > 60 && begin - last < 1000 ? slow + 1 : 0;
@@ -82,6 +82,7 @@ R.Space = (() => {
     const m = /** @type {any} */ (window).__m;
     m.frames = frame;
     m.frame_ms = performance.now() - begin;
+    R.Recorder.frame(canvas);
   };
   const ask = () => { if (!asked) { asked = true; requestAnimationFrame(paint); } };
 
@@ -175,7 +176,9 @@ R.Space = (() => {
     /** @type {any} */ (window).__m.space = data.pen.name;
     document.documentElement.dataset.space = data.pen.name;
     const notes = [data.pen.name === 'WebGL' ? '' : 'No WebGL here: drawn as a wire frame.', left ? `Not shown: ${left === 1 ? 'one mesh' : `${left} meshes`}.` : ''].filter(Boolean).join(' ');
-    place.append(R.make('div', { class: 'space-bar' }, ...views, ...switches, R.make('span', { class: 'note' }, notes)), ...contacts(), canvas, pose, alarm);
+    const bar = R.make('div', { class: 'space-bar' }, ...views, ...switches, R.make('span', { class: 'note' }, notes));
+    place.append(bar, ...contacts(), canvas, pose, alarm);
+    R.Recorder.build(bar, bar);
     trace();
     fit();
     C.mouse(canvas, ask);

@@ -41,8 +41,14 @@ pub const SCRIPTS: [Asset; 8] = [
 ];
 
 /// Scripts of the 3D view.
-pub const SPACE: [Asset; 5] =
-    [asset!("shapes.js"), asset!("meshes.js"), asset!("draw3d.js"), asset!("camera.js"), asset!("space.js")];
+pub const SPACE: [Asset; 6] = [
+    asset!("shapes.js"),
+    asset!("meshes.js"),
+    asset!("draw3d.js"),
+    asset!("camera.js"),
+    asset!("record.js"),
+    asset!("space.js"),
+];
 
 /// Scripts of the block diagram and the tables of parameters.
 pub const DIAGRAM: [Asset; 5] = [

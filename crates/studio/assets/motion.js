@@ -189,6 +189,9 @@
   const shown = () => { if (found && !place.form.closest('section').hidden) { R.span = [0, found.duration]; place.slider.max = String(found.duration); } };
   const tell = () => { if (found) { place.slider.value = String(R.now); place.clock.textContent = `${point(R.now, 2)} of ${point(found.duration, 2)} s`; } };
 
+  R.onTime.push(() => { if (found && drawn3d && !place.form.closest('section')?.hidden) tell(); });
+  window.addEventListener('resize', () => { const width = place.plot?.clientWidth; if (plot && width > 0) plot.setSize({ width, height: 210 }); });
+
   const play = () => {
     if (playing) { cancelAnimationFrame(playing); playing = 0; place.play.textContent = '▶'; return; }
     if (!found) return;

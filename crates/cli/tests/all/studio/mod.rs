@@ -3,6 +3,7 @@
 mod analysis;
 mod browser;
 mod edit;
+mod film;
 mod joints;
 mod panel;
 mod tabs;
