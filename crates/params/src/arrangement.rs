@@ -67,6 +67,11 @@ impl Arrangement {
         Arrangement { columns: columns.clone(), ..Arrangement::by_name(quantities, name) }
     }
 
+    /// The sheet of a quantity, by the place of both in their lists.
+    pub fn sheet_of(&self, quantity: usize) -> Option<&str> {
+        self.sheets.get(*self.of.get(quantity)?).map(String::as_str)
+    }
+
     /// Reads the file that says which sheets a set has.
     ///
     /// # Errors

@@ -4,17 +4,21 @@
 /* global R */
 
 /** @type {any} */ (R).Values = (() => {
-  const { Desk, Live } = /** @type {any} */ (R);
+  const { Desk, Project, Live } = /** @type {any} */ (R);
   /** Most lines that are shown at a time. */
   const MOST = 400;
   /** @type {any} */ let known = null;
   /** @type {any} */ const place = { filter: null, list: null, change: null };
+  /** The sheet that is shown; empty for all. */ let sheet = '';
+  /** Values of the run that is compared with. @type {any} */ let other = null;
   /** What was typed and is not written, by its target; nothing of it is lost when the model changes. @type {Map<string, string>} */ const typed = new Map();
   /** Why what was typed is not taken, by its target. @type {Map<string, {message: string, help?: string}>} */ const wrong = new Map();
 
   /** Shows why a value is not taken, or that nothing is wrong with it. @param {string} target @param {HTMLElement} [place] Where, if not in the list. */
   const explain = (target, place) => {
     const answer = place ?? document.querySelector(`#values-view .answer[data-target="${CSS.escape(target)}"]`), why = wrong.get(target);
+    // An empty one would only be in the way of those who listen.
+    if (why) answer?.setAttribute('role', 'alert'); else answer?.removeAttribute('role');
     answer?.replaceChildren(...(why ? [R.make('span', { class: 'bad' }, why.message), ...(why.help ? [R.make('div', { class: 'note' }, why.help)] : [])] : []));
   };
   /** @param {string} target @param {string} value @param {boolean} only Run with it, without writing it. */
@@ -51,31 +55,84 @@
   const row = (target) => {
     const shared = target.sharers > 1 ? `${target.sharers} parts` : '', where = R.make('code', {}, target.place);
     // What has several lines is changed in an editor; its items stand below.
-    if (target.lines > 1) return [R.make('bdi', {}, target.name), R.make('span', { class: 'note' }, `${target.lines} lines`), target.worth, where, shared];
-    const answer = R.make('div', { class: 'answer', role: 'alert', 'data-target': target.name });
+    if (target.lines > 1) return [R.make('bdi', {}, target.name), R.make('span', { class: 'note' }, `${target.lines} lines`), target.worth, target.unit, '', '', where, shared, ...(other ? [beside(target)] : [])];
+    const answer = R.make('div', { class: 'answer', 'data-target': target.name });
     explain(target.name, answer);
     const field = R.make('input', { type: 'text', value: typed.get(target.name) ?? target.written, 'aria-label': target.name, spellcheck: 'false', size: String(Math.min(Math.max(target.written.length, 8), 36)) });
     if (!known.edit) field.setAttribute('data-look', 'true');
     const write = Desk.button('Write', () => change(target.name, field.value, false), { title: `Write it to ${target.place} (Enter)` });
     const run = Desk.button('Run with it', () => change(target.name, field.value, true), { title: 'Run with this value; no file is changed (Shift Enter)' });
     const turn = Desk.button('Turn', () => Live.turn(target.name, target), { title: 'Turn it while a run goes on' });
-    const differs = () => field.value !== target.written;
-    const shown = () => { write.hidden = !differs() || !known.edit; run.hidden = !differs(); if (differs()) typed.set(target.name, field.value); else typed.delete(target.name); };
-    field.addEventListener('input', shown);
+    const open = () => field.value !== target.written;
+    const shown = () => { write.hidden = !open() || !known.edit; run.hidden = !open(); if (open()) typed.set(target.name, field.value); else typed.delete(target.name); };
+    field.addEventListener('input', () => { shown(); bar(); });
     field.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => {
-      if (event.key === 'Enter' && differs()) change(target.name, field.value, event.shiftKey || !known.edit);
-      if (event.key === 'Escape') { field.value = target.written; wrong.delete(target.name); explain(target.name); shown(); }
+      if (event.key === 'Enter' && open()) change(target.name, field.value, event.shiftKey || !known.edit);
+      if (event.key === 'Escape') { field.value = target.written; wrong.delete(target.name); explain(target.name); shown(); bar(); }
     });
     shown();
-    return [R.make('bdi', {}, target.name), R.make('div', {}, field, write, run, ...(/^[+-]?[\d.]|^(true|false)$/.test(target.written) ? [turn] : []), answer), target.worth, where, shared];
+    // As in a sheet: up and down along the column.
+    field.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => {
+      const by = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+      if (!by || event.ctrlKey || event.altKey || event.metaKey) return;
+      const all = [...place.list.querySelectorAll('input[type=text]')];
+      const next = all[all.indexOf(field) + by];
+      if (next) { event.preventDefault(); next.focus(); next.select(); }
+    });
+    const [low, high] = range(target.name), source = [target.source, target.note, target.tolerance && `± ${target.tolerance}`].filter(Boolean).join('; ');
+    return [R.make('bdi', {}, target.name), R.make('div', {}, field, write, run, ...(/^[+-]?[\d.]|^(true|false)$/.test(target.written) ? [turn] : []), answer), target.worth, target.unit, low === undefined ? '' : `${R.say(low)} … ${R.say(high)}`, source, where, shared, ...(other ? [beside(target)] : [])];
+  };
+  /** Least and largest value, in the unit of the panel, where the panel of the model has them. @param {string} name */
+  const range = (name) => {
+    return Project.known()?.panel?.find((/** @type {any} */ one) => one.name === name && /slider|knob/i.test(one.kind))?.range ?? [];
+  };
+  /** Whether the run that is compared with had another value. @param {any} target */
+  const differs = (target) => {
+    const was = other?.values[target.name];
+    return !was || was.written !== target.written || (!was.set && target.expression && was.worth !== target.worth);
+  };
+  /** What the other run had. @param {any} target */
+  const beside = (target) => {
+    const was = other.values[target.name];
+    if (!was) return R.make('span', { class: 'note' }, 'was not there');
+    const text = was.set || !target.expression ? was.written || 'several lines' : `${was.written} = ${was.worth}`;
+    return differs(target) ? R.make('b', { class: 'differs' }, `≠ ${text}${was.set ? ' (set for it)' : ''}`) : R.make('span', { class: 'note' }, 'the same');
+  };
+  /** Chooses the run to compare with. @param {string} name */
+  const compare = async (name) => {
+    other = null;
+    if (name) try { other = await Desk.ask(`parameters/${encodeURIComponent(name)}`); } catch (error) { place.run.value = ''; Desk.refuse(error); }
+    place.only.parentElement.hidden = !other;
+    show();
+  };
+
+  /** What was typed and is not written, all at a time. */
+  const bar = () => {
+    const count = typed.size, sets = () => [...typed].map(([target, value]) => `${target}=${value}`);
+    const all = async () => { for (const [target, value] of [...typed]) await change(target, value, false); await renew(); };
+    const drop = () => { typed.clear(); wrong.clear(); show(); };
+    place.pending.replaceChildren(...(count > 1 ? [R.make('b', {}, `${count} changes are not written`), ' ', ...(known.edit ? [Desk.button('Write all', all)] : []), Desk.button('Run with all', () => Live.run(sets()), { title: 'Run with these values; no file is changed' }), Desk.button('Discard all', drop)] : []));
   };
 
   const show = () => {
     if (!known || !place.list) return;
     const words = place.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
-    const all = known.targets.filter((/** @type {any} */ target) => words.every((/** @type {string} */ word) => target.name.toLowerCase().includes(word)));
-    const more = all.length - MOST;
-    place.list.replaceChildren(Desk.table(['parameter', 'written', 'value', 'place', 'shared by'], all.slice(0, MOST).map(row)), more > 0 ? R.make('p', { class: 'note' }, `${more} more; type more of the name`) : '');
+    const sheets = [...new Set(known.targets.map((/** @type {any} */ target) => target.sheet))].sort((a, b) => Number(!/^\(\d/.test(a)) - Number(!/^\(\d/.test(b)) || (/^\(\d/.test(a) ? a.localeCompare(b, 'en', { numeric: true }) : 0));
+    if (!sheets.includes(sheet)) sheet = '';
+    const fits = (/** @type {any} */ target) => words.every((/** @type {string} */ word) => target.name.toLowerCase().includes(word)) && (!other || !place.only.checked || differs(target));
+    const fitting = known.targets.filter(fits), count = (/** @type {string} */ name) => fitting.filter((/** @type {any} */ target) => !name || target.sheet === name).length;
+    const focus = document.activeElement, was = place.sheets.contains(focus) ? focus?.getAttribute('data-sheet') : null;
+    place.sheets.replaceChildren(...(sheets.length > 1 ? ['', ...sheets] : []).map((name) => Desk.button(`${name || 'All'} (${count(name)})`, () => { sheet = name; show(); }, { 'aria-pressed': String(name === sheet), 'data-sheet': name })));
+    if (was !== null) place.sheets.querySelector(`[data-sheet="${CSS.escape(was ?? '')}"]`)?.focus();
+    const all = fitting.filter((/** @type {any} */ target) => !sheet || target.sheet === sheet);
+    const more = all.length - MOST, head = ['parameter', 'written', 'value', 'unit', 'range', 'source', 'place', 'shared by', ...(other ? [other.run] : [])];
+    const names = new Set(known.targets.map((/** @type {any} */ target) => target.name)), gone = other ? Object.keys(other.values).filter((name) => !names.has(name)) : [];
+    // A column in which nothing stands takes no room.
+    const rows = all.slice(0, MOST).map(row), used = head.map((_, n) => n < 2 || rows.some((/** @type {any[]} */ cells) => cells[n] !== ''));
+    const narrow = (/** @type {any[]} */ cells) => cells.filter((_, n) => used[n]);
+    place.list.replaceChildren(all.length ? Desk.table(sheet || 'All parameters', narrow(head), rows.map(narrow)) : R.make('p', { class: 'note' }, 'No parameter fits.'), more > 0 ? R.make('p', { class: 'note' }, `${more} more; type more of the name`) : '',
+      gone.length ? R.make('p', { class: 'note' }, `${other.run} had ${gone.length} more: ${gone.slice(0, 12).join(', ')}${gone.length > 12 ? ' …' : ''}`) : '');
+    bar();
   };
 
   const renew = async () => {
@@ -87,7 +144,13 @@
       place.filter.addEventListener('input', show);
       place.change = R.make('div', { class: 'change' });
       place.list = R.make('div');
-      view.replaceChildren(place.filter, place.change, place.list);
+      place.sheets = R.make('div', { class: 'sheets', role: 'group', 'aria-label': 'Sheets' });
+      place.pending = R.make('div', { class: 'pending' });
+      place.run = R.make('select', { 'aria-label': 'Run to compare with' });
+      place.run.addEventListener('change', () => compare(place.run.value));
+      place.only = R.make('input', { type: 'checkbox' });
+      place.only.addEventListener('change', show);
+      view.replaceChildren(R.make('div', { class: 'sheet-tools' }, place.filter, place.run, R.make('label', { hidden: '' }, place.only, ' only what differs')), place.sheets, place.pending, place.change, place.list);
     }
     // Who types goes on typing.
     const focus = /** @type {any} */ (document.activeElement), name = place.list.contains(focus) ? focus.getAttribute('aria-label') : null;
@@ -95,12 +158,18 @@
     show();
     const again = name && place.list.querySelector(`input[aria-label="${CSS.escape(name)}"]`);
     if (again) { again.focus(); again.setSelectionRange(from, to); }
+    try {
+      const runs = (await Desk.ask('runs')).reverse(), chosen = place.run.value;
+      place.run.replaceChildren(R.make('option', { value: '' }, 'compare with a run …'), ...runs.map((/** @type {any} */ run) => R.make('option', { value: run.name }, run.name)));
+      place.run.value = runs.some((/** @type {any} */ run) => run.name === chosen) ? chosen : '';
+    } catch (error) { Desk.refuse(error); }
   };
   /** Shows one parameter, or those of a block. @param {string} name */
   const find = async (name) => {
     await renew();
     if (!place.filter) return;
     place.filter.value = name;
+    sheet = '';
     show();
   };
   return { renew, undo, find };

@@ -12,7 +12,7 @@ use super::analysis::Questions;
 use super::model::{self, Shown, place};
 use super::runner::Runner;
 use super::values::{Changes, list, refusal};
-use super::{edits, motion, name_of, project, texts};
+use super::{edits, motion, name_of, project, sheets, texts};
 use crate::args::values::RUNS;
 use crate::commands::compare::page_of_both;
 use crate::commands::report;
@@ -285,7 +285,14 @@ impl Desk for Studio {
             "signals" => Reply::Data(self.now().shown.signals.clone()),
             "runs" => Reply::Data(project::runs().into()),
             "live" => self.runner.so_far(),
-            _ => Reply::Missing,
+            // What a run had, to compare with.
+            other => match other.strip_prefix("parameters/") {
+                Some(name) => match project::run(name) {
+                    Some(run) => sheets::of_run(&run),
+                    None => Reply::Missing,
+                },
+                None => Reply::Missing,
+            },
         }
     }
 

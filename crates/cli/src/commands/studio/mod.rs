@@ -8,6 +8,7 @@
 //! | `model` | a model as the page shows it: drawings, scopes, problems |
 //! | `motion` | moves of its robot: planned, checked, kept |
 //! | `runner` | a run, as another process of this program |
+//! | `sheets` | parameters in sheets, and those of a run |
 //! | `values` | parameters, and texts that change and change back |
 //! | `edits` | what is done to the picture, done to the texts; ports, kinds, choices |
 //! | `texts` | the text beside the picture: checked while it is written, completed, saved |
@@ -21,6 +22,7 @@ mod model;
 mod motion;
 mod project;
 mod runner;
+mod sheets;
 mod texts;
 mod values;
 

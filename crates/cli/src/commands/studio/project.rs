@@ -151,6 +151,11 @@ fn freshness(kept: &Kept) -> (&'static str, String) {
     }
 }
 
+/// A run by its name.
+pub fn run(name: &str) -> Option<Kept> {
+    history(Path::new(RUNS)).ok()?.into_iter().find(|kept| kept.name == name)
+}
+
 /// All runs of a project for the page, the oldest first.
 pub fn runs() -> Vec<Value> {
     let kept = history(Path::new(RUNS)).unwrap_or_default();

@@ -9,6 +9,7 @@ use blocksim_studio::Reply;
 use serde_json::{Value, json};
 
 use super::model::place;
+use super::sheets::Sheets;
 use crate::commands::params::set::edit;
 use crate::commands::params::table::{located, shown};
 use crate::disk::{Disk, write_file};
@@ -47,10 +48,12 @@ pub fn list(root: &Path, model: &Path, may_edit: bool) -> Value {
     let (all, _) = targets(&sources, &place(root, model));
     let files = sources.all();
     let texts = Texts::of(&files);
+    let sheets = Sheets::of(&files, root);
     let is_shown = |target: &&Target| !matches!(target.origin, Origin::Kind(_)) && !target.is_item;
     let data = |target: &Target| {
         let (value, unit, is_written) = shown(target);
         let (Origin::Text(place) | Origin::Declared(place)) = &target.origin else { return json!(null) };
+        let (sheet, [source, note, tolerance]) = sheets.at(place);
         let place = located(place, &texts);
         let place =
             Path::new(&place).strip_prefix(root).map_or(place.clone(), |rest| rest.display().to_string());
@@ -59,12 +62,14 @@ pub fn list(root: &Path, model: &Path, may_edit: bool) -> Value {
         let written = if lines > 1 { "" } else { unquoted(&target.written) };
         json!({
             "name": target.name, "written": written, "lines": lines, "worth": worth, "place": place, "sharers": target.sharers,
+            "sheet": sheet, "unit": unit, "source": source, "note": note, "tolerance": tolerance, "expression": !is_written,
         })
     };
     json!({ "edit": may_edit, "targets": all.iter().filter(is_shown).map(data).collect::<Vec<_>>() })
 }
 
-fn unquoted(text: &str) -> &str {
+/// Without the quotes of a text.
+pub fn unquoted(text: &str) -> &str {
     text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).unwrap_or(text)
 }
 

@@ -6,6 +6,7 @@ mod edit;
 mod film;
 mod joints;
 mod panel;
+mod sheets;
 mod tabs;
 
 use std::fs;

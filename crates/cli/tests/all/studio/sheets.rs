@@ -1,0 +1,84 @@
+//! Parameters in sheets: where their numbers come from, and what a run had.
+
+use std::fs;
+
+use super::{SERVO, Studio, shown};
+use crate::desk::Desk;
+
+const SET: &str = r#"(
+    motor: (
+        k: (value: "6 1/s", source: "data sheet", note: "published", tolerance: "10 %"),
+    ),
+    other: (delay: "0.5 s"),
+)
+"#;
+
+#[test]
+fn parameters_stand_in_sheets_beside_those_of_a_run() {
+    let model = SERVO
+        .replace("    simulation:", "    parameters: { \"set\": File(\"set.ron\") },\n    simulation:")
+        .replace("\"6 1/s\"", "\"set.motor.k\"");
+    let sheets =
+        "(sheets: [(name: \"(1) Motor\", holds: [\"motor\"]), (name: \"(2) Other\", holds: [\"*\"])])";
+    let desk = Desk::with(&[("servo.ron", &model), ("set.ron", SET), ("set.sheets.ron", sheets)]);
+    let ran =
+        desk.call(&["run", "servo.ron", "--out", "runs/first", "--set", "demand.after=45 deg", "--quiet"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let studio = Studio::of(&desk, &["--edit", "servo.ron"]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("location.hash = '#values'");
+    page.until("document.querySelectorAll('.sheets button').length === 4");
+    let sheets = page
+        .value("[...document.querySelectorAll('.sheets button')].map((one) => one.dataset.sheet).join('|')");
+    assert_eq!(sheets, "|(1) Motor|(2) Other|servo.ron");
+    page.value("document.querySelector('[data-sheet=\"(1) Motor\"]').click()");
+    page.until("document.querySelectorAll('#values-view tbody tr').length === 1");
+    let cell = |page: &mut super::Page, name: &str, column: &str| {
+        page.value(&format!(
+            "(() => {{ const row = document.querySelector('#values-view input[aria-label=\"{name}\"]').closest('tr'), \
+             heads = [...row.closest('table').querySelectorAll('th')].map((head) => head.textContent); \
+             return row.cells[heads.indexOf('{column}')].textContent; }})()"
+        ))
+    };
+    assert_eq!(cell(&mut page, "set.motor.k", "unit"), "1/s");
+    assert_eq!(cell(&mut page, "set.motor.k", "source"), "data sheet; published; ± 10 %");
+    page.value("document.querySelector('[data-sheet=\"servo.ron\"]').click()");
+    assert_eq!(cell(&mut page, "gain.k", "value"), "6 1/s", "what an expression is worth");
+    page.value("document.querySelector('[data-sheet=\"\"]').click()");
+    // The run had another value, which was set for it alone.
+    fs::write(desk.0.join("set.ron"), SET.replace("6 1/s", "7 1/s")).expect("a file");
+    page.until("document.querySelector('#values-view input[aria-label=\"set.motor.k\"]').value === '7 1/s'");
+    page.until("document.querySelectorAll('select[aria-label=\"Run to compare with\"] option').length === 2");
+    page.value("(() => { const choice = document.querySelector('select[aria-label=\"Run to compare with\"]'); choice.value = 'first'; choice.dispatchEvent(new Event('change')); })()");
+    page.until("document.querySelectorAll('#values-view .differs').length === 3");
+    page.value("document.querySelector('.sheet-tools input[type=checkbox]').click()");
+    page.until("document.querySelectorAll('#values-view tbody tr').length === 3");
+    let told = page.value(
+        "[...document.querySelectorAll('#values-view .differs')].map((one) => one.textContent).join('|')",
+    );
+    assert_eq!(told, "≠ 6 1/s|≠ 45 deg (set for it)|≠ set.motor.k = 6 1/s");
+    // Two changes: run with both, and no file is changed; then both are written, the faulty one stays.
+    for (name, value) in [("set.motor.k", "9 1/s"), ("demand.after", "30 deg")] {
+        page.value(&format!("document.querySelector('#values-view input[aria-label=\"{name}\"]').focus()"));
+        page.replace(value);
+    }
+    page.until("document.querySelector('.pending').textContent.startsWith('2 changes are not written')");
+    page.value("[...document.querySelectorAll('.pending button')].find((one) => one.textContent === 'Run with all').click()");
+    page.until("document.querySelector('.run-line').textContent.includes('2 s simulated')");
+    page.until(
+        "[...document.querySelectorAll('#plots .entry b')].map((b) => b.textContent).join() === '30,30'",
+    );
+    assert_eq!(desk.read("servo.ron"), model);
+    page.value("location.hash = '#values'");
+    page.value("document.querySelector('#values-view input[aria-label=\"demand.after\"]').focus()");
+    page.replace("30 kg");
+    page.value("[...document.querySelectorAll('.pending button')].find((one) => one.textContent === 'Write all').click()");
+    page.until("document.querySelector('#values-view .answer .bad')");
+    assert!(desk.read("set.ron").contains("\"9 1/s\""), "{}", desk.read("set.ron"));
+    assert_eq!(
+        page.value("document.querySelector('#values-view input[aria-label=\"demand.after\"]').value"),
+        "30 kg"
+    );
+    assert_eq!(desk.read("servo.ron"), model);
+    assert_eq!(page.complaints.len(), 1, "one refusal: {:?}", page.complaints);
+}
