@@ -143,6 +143,13 @@ const R = {
     return element;
   },
 
+  /** A picture for those who do not see it: by its name. @param {any} u @param {string} name */
+  named(u, name) {
+    u.ctx.canvas.setAttribute('role', 'img');
+    u.ctx.canvas.setAttribute('aria-label', name);
+    u.root.querySelector('.u-legend')?.setAttribute('aria-label', `${name}, values`);
+  },
+
   /** Runs a part of the page; where it fails the others go on. @param {string} name @param {() => void} part */
   guarded(name, part) {
     try {

@@ -163,7 +163,7 @@ R.Diagram = (() => {
     if (path !== null) parts.push(button('Go inside (Enter)', () => go(path, true)));
     if (parameters.length) {
       const means = new Map(known?.parameters ?? []);
-      parts.push(R.make('table', {}, R.make('thead', {}, R.make('tr', {}, ...['parameter', 'written', 'value'].map((head) => R.make('th', { scope: 'col' }, head)))),
+      parts.push(R.make('table', { 'aria-label': 'Parameters of the block' }, R.make('thead', {}, R.make('tr', {}, ...['parameter', 'written', 'value'].map((head) => R.make('th', { scope: 'col' }, head)))),
         R.make('tbody', {}, ...parameters.map((/** @type {string[]} */ [own, text, value]) => R.make('tr', { title: means.get(own) ?? '' }, R.make('td', {}, named(level.path ? `${level.path}/${name}` : name, own)), R.make('td', {}, R.make('code', {}, text)), R.make('td', { class: 'n' }, value))))));
     }
     const out = texts.drawings[level.drawing].nets.flatMap((/** @type {any} */ [, ends, directed], /** @type {number} */ at) => directed && ends[0] === n ? courses(at) : []);
@@ -243,7 +243,7 @@ R.Diagram = (() => {
   /** All wires as a table: the diagram for those who do not see it. */
   const table = () => {
     const rows = texts.drawings[level.drawing].nets.map((/** @type {any} */ [title], /** @type {number} */ at) => R.make('tr', {}, R.make('td', {}, title), R.make('td', {}, R.Wires.on(level, at).map((/** @type {any} */ one) => `${one.element} ${one.signal.say()}`.trim()).join(', '))));
-    place.list.replaceChildren(place.list.firstChild, R.make('table', {}, R.make('thead', {}, R.make('tr', {}, R.make('th', { scope: 'col' }, 'connection'), R.make('th', { scope: 'col' }, `value at ${R.time(R.now)} s`))), R.make('tbody', {}, ...rows)));
+    place.list.replaceChildren(place.list.firstChild, R.make('table', { 'aria-label': 'Connections' }, R.make('thead', {}, R.make('tr', {}, R.make('th', { scope: 'col' }, 'connection'), R.make('th', { scope: 'col' }, `value at ${R.time(R.now)} s`))), R.make('tbody', {}, ...rows)));
   };
 
   const tell = () => {

@@ -96,6 +96,7 @@ R.Picture = (() => {
         line.addEventListener('pointerup', () => line.removeEventListener('pointermove', move), { once: true });
       });
     });
+    R.named(u, `${panel.title || 'Signals'} over time`);
     return u;
   };
 

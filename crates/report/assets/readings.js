@@ -183,7 +183,7 @@ R.Readings = (() => {
     dock = R.make('section', { id: 'readings', 'aria-label': 'Values at the cursors' },
       R.make('div', { class: 'readings-bar' }, R.make('strong', {}, 'Values'), heading, R.make('label', {}, nearby, ' only pictures in sight'), R.make('span', { class: 'done', role: 'status' }),
         button('Copy as text', copy), button(partly ? 'Save as CSV (thinned)' : 'Save as CSV', save, `What is listed, over the shown time. ${partly}`.trim()), button('Close (T)', toggle)),
-      R.make('div', { class: 'readings-table', tabindex: '0', role: 'region', 'aria-label': 'Table of values' }, R.make('table', {}, R.make('thead', {}, R.make('tr', {}, ...HEAD.map((name, n) => R.make('th', { scope: 'col', class: n > 1 ? 'n' : '' }, name)))), body)),
+      R.make('div', { class: 'readings-table', tabindex: '0', role: 'region', 'aria-label': 'Table of values' }, R.make('table', { 'aria-label': 'Values' }, R.make('thead', {}, R.make('tr', {}, ...HEAD.map((name, n) => R.make('th', { scope: 'col', class: n > 1 ? 'n' : '' }, name)))), body)),
       ...(R.data.thinned ? [R.make('p', { class: 'note' }, 'From the values that this page keeps; of those with ≈ mean and rms are rough.')] : []));
     dock.hidden = true;
     foot.prepend(dock);

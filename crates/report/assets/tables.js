@@ -5,8 +5,8 @@
 
 R.Tables = (() => {
   /** @type {((row: number) => void)[]} Shows a row of each table. */ let shows = [];
-  /** @param {string[]} head @param {string[][]} rows */
-  const table = (head, rows) => R.make('div', { class: 'wide' }, R.make('table', {},
+  /** @param {string} name @param {string[]} head @param {string[][]} rows */
+  const table = (name, head, rows) => R.make('div', { class: 'wide' }, R.make('table', { 'aria-label': name },
     R.make('thead', {}, R.make('tr', {}, ...head.map((name) => R.make('th', { scope: 'col' }, name)))),
     R.make('tbody', {}, ...rows.map((row) => R.make('tr', {}, ...row.map((cell) => R.make('td', {}, cell)))))));
 
@@ -22,7 +22,7 @@ R.Tables = (() => {
         const fit = wanted ? rows.filter((/** @type {string[]} */ row) => row.some((cell) => cell.toLowerCase().includes(wanted))) : rows;
         name.textContent = `${title} (${fit.length}${fit.length < rows.length ? ` of ${rows.length}` : ''})`;
         box.hidden = wanted !== '' && fit.length === 0;
-        if (box.open) box.replaceChildren(name, table(head, fit));
+        if (box.open) box.replaceChildren(name, table(title, head, fit));
       };
       box.addEventListener('toggle', fill);
       shows.push((row) => {

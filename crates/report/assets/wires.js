@@ -46,7 +46,7 @@ R.Wires = (() => {
     const values = carried.slice(0, TOLD).map(({ element, signal }) => ({ cell: R.make('td', { class: 'n' }), element, signal }));
     const more = carried.length - values.length;
     tip.replaceChildren(R.make('strong', {}, R.make('bdi', {}, title)), carried.length
-      ? R.make('table', {}, R.make('tbody', {}, ...values.map(({ element, cell, signal }) => R.make('tr', {}, R.make('td', {}, element || signal.path), cell))))
+      ? R.make('table', { 'aria-label': 'Values of the wire' }, R.make('tbody', {}, ...values.map(({ element, cell, signal }) => R.make('tr', {}, R.make('td', {}, element || signal.path), cell))))
       : R.make('p', {}, 'not recorded'), more > 0 ? R.make('p', {}, `and ${more} more: a click lists them`) : '');
     fresh = () => { for (const { cell, signal } of values) cell.textContent = signal.say(); };
     fresh();

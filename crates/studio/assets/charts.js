@@ -86,6 +86,7 @@
     // The place may become wider or narrower later.
     const watch = new ResizeObserver(() => { if (!canvas.isConnected) watch.disconnect(); else if (canvas.clientWidth > 0 && Math.abs(canvas.clientWidth - u.width) > 1) u.setSize({ width: canvas.clientWidth, height }); });
     watch.observe(canvas);
+    R.named(u, title);
     return u;
   };
 

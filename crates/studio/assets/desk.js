@@ -46,8 +46,8 @@
     made.addEventListener('click', does);
     return made;
   };
-  /** A table. @param {string[]} head @param {(Node|string)[][]} rows */
-  const table = (head, rows) => R.make('div', { class: 'wide' }, R.make('table', {}, R.make('thead', {}, R.make('tr', {}, ...head.map((name) => R.make('th', { scope: 'col' }, name)))),
+  /** A table. @param {string} name @param {string[]} head @param {(Node|string)[][]} rows */
+  const table = (name, head, rows) => R.make('div', { class: 'wide' }, R.make('table', { 'aria-label': name }, R.make('thead', {}, R.make('tr', {}, ...head.map((name) => R.make('th', { scope: 'col' }, name)))),
     R.make('tbody', {}, ...rows.map((cells) => R.make('tr', {}, ...cells.map((cell) => R.make('td', {}, cell)))))));
   return { ask, on, listen, say, refuse, button, table };
 })();

@@ -335,7 +335,7 @@
       const does = may() ? [Desk.button(from ? 'Connect here' : 'Connect', () => { if (from && from.end !== end) finish(end); else begin(end, kind, domain); }, { 'aria-label': `Connect ${end}` }), ...(others.length ? [Desk.button('✕', () => cut(end), { 'aria-label': `Delete the wires of ${end}`, title: 'Delete its wires' })] : [])] : [];
       return R.make('tr', others.length || optional ? {} : { class: 'open' }, R.make('td', {}, port), R.make('td', {}, side), R.make('td', {}, others.join(', ') || (optional ? '' : 'open')), R.make('td', {}, ...does));
     };
-    side.append(R.make('h4', {}, 'ports'), R.make('table', { class: 'ports' }, R.make('thead', {}, R.make('tr', {}, ...['port', '', 'connected to', ''].map((head) => R.make('th', { scope: 'col' }, head)))), R.make('tbody', {}, ...all.map(row))));
+    side.append(R.make('h4', {}, 'ports'), R.make('table', { class: 'ports', 'aria-label': 'Ports' }, R.make('thead', {}, R.make('tr', {}, ...['port', '', 'connected to', ''].map((head) => R.make('th', { scope: 'col' }, head)))), R.make('tbody', {}, ...all.map(row))));
     if (may()) side.append(R.make('div', { class: 'buttons' }, Desk.button('Rename (R)', rename), Desk.button('Delete (Del)', remove), Desk.button('Add beside it (A)', add), Desk.button(marked.has(name) ? 'Deselect (X)' : 'Select too (X)', () => { mark(name); R.Diagram.choose(look().chosen); })));
   };
   /** A choice of a model: `drive: [dc]`. @param {string} by @param {{chosen: string, of: string[]}} known @param {string} at Path of its level. */

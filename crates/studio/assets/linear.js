@@ -148,7 +148,7 @@
     if (found.not_smooth?.length || found.stuck?.length || found.limited?.length) parts.push(['at this instant', [found.stuck?.length ? `stuck: ${found.stuck.join(', ')}` : '', found.limited?.length ? `at a limit: ${found.limited.join(', ')}` : '', found.not_smooth?.length ? `not smooth: ${found.not_smooth.length} places` : ''].filter(Boolean).join('; ')]);
     place.told.textContent = `${found.title}, at ${R.say(found.t)} s${found.period ? `, from hit to hit of ${R.say(found.period)} s` : ''}`;
     place.facts.replaceChildren(R.make('dl', { class: 'figures' }, ...parts.flatMap(([name, text]) => [R.make('dt', {}, name), R.make('dd', {}, text)])),
-      Desk.table(['pole [rad/s]', 'frequency [rad/s]', 'damping', 'time constant [s]'].map((head, n) => n === 0 && found.period ? 'pole, z' : head), poles.map((mode) => [number(mode.pole), R.say(mode.frequency, 4), R.say(mode.damping, 3), mode.time_constant === null ? '∞' : R.say(mode.time_constant, 4)])));
+      Desk.table('Poles', ['pole [rad/s]', 'frequency [rad/s]', 'damping', 'time constant [s]'].map((head, n) => n === 0 && found.period ? 'pole, z' : head), poles.map((mode) => [number(mode.pole), R.say(mode.frequency, 4), R.say(mode.damping, 3), mode.time_constant === null ? '∞' : R.say(mode.time_constant, 4)])));
   };
 
   const build = () => {

@@ -190,7 +190,13 @@
       failed: `${model}: ${reason}`,
     }[/** @type {'idle'} */ (state?.state ?? 'idle')];
     said = text ?? '';
-    place.line.replaceChildren(said, ...(name ? [R.make('a', { href: `#runs/${encodeURIComponent(name)}` }, 'Results')] : []));
+    // Who is at the link stays there.
+    if (place.line.dataset.told !== `${said} ${name}`) {
+      const focus = place.line.contains(document.activeElement);
+      place.line.replaceChildren(said, ...(name ? [R.make('a', { href: `#runs/${encodeURIComponent(name)}` }, 'Results')] : []));
+      place.line.dataset.told = `${said} ${name}`;
+      if (focus) place.line.querySelector('a')?.focus();
+    }
     place.line.classList.toggle('bad', state?.state === 'failed');
     place.bar.value = until ? Math.min(1, t / until) : 0;
     place.bar.hidden = !running();

@@ -82,7 +82,7 @@
       return { told, row: R.make('tr', {}, R.make('th', { scope: 'row' }, axis.name), cell('from'), ...(isJoint ? [cell('to')] : []), R.make('td', { class: 'note' }, `${point(axis.lower, 0)} … ${point(axis.upper, 0)} ${axis.unit}`), told) };
     });
     const head = ['', 'start', ...(isJoint ? ['target'] : []), 'range', ''].map((name) => R.make('th', { scope: 'col' }, name));
-    const table = R.make('table', { class: 'axes' }, R.make('thead', {}, R.make('tr', {}, ...head)), R.make('tbody', {}, ...place.rows.map((/** @type {any} */ one) => one.row)));
+    const table = R.make('table', { class: 'axes', 'aria-label': 'Start and target' }, R.make('thead', {}, R.make('tr', {}, ...head)), R.make('tbody', {}, ...place.rows.map((/** @type {any} */ one) => one.row)));
     const three = (/** @type {string} */ key, /** @type {string} */ what) => ['x', 'y', 'z'].map((name, n) => field(`${what} ${name}`, typed[key], n, 'mm'));
     const copy = (/** @type {string} */ text, /** @type {() => void} */ does) => Desk.button(text, () => { does(); form(); look(); });
     const home = axes.map((/** @type {any} */ axis) => String(Number(axis.start.toFixed(4))));
@@ -143,7 +143,7 @@
       const line = [robot.axes[n].name, `${shown(axis.lowest)} … ${shown(axis.highest)}`, shown(Math.min(margins.lower, margins.upper)), share(axis.speed, margins.speed), share(axis.acceleration, margins.acceleration)];
       return { line, bad: Math.min(margins.lower, margins.upper, margins.speed, margins.acceleration) < -1e-9 };
     });
-    const table = Desk.table(['axis', 'from … to', 'left to the limits', 'speed', 'acceleration'], rows.map((/** @type {any} */ row) => row.line));
+    const table = Desk.table('Axes of the move', ['axis', 'from … to', 'left to the limits', 'speed', 'acceleration'], rows.map((/** @type {any} */ row) => row.line));
     rows.forEach((/** @type {any} */ row, /** @type {number} */ n) => table.querySelectorAll('tbody tr')[n].classList.toggle('bad', row.bad));
     const wrong = [...found.violations.map((/** @type {any} */ one) => [one.what, one.help]), ...(found.collision ? [[found.collision.what, found.collision.help]] : [])];
     place.result.replaceChildren(
@@ -163,6 +163,7 @@
         series: [{ label: 's' }, ...robot.axes.map((/** @type {any} */ axis, /** @type {number} */ n) => ({ label: axis.name, stroke: () => R.colour(`s${n % 6 + 1}`), width: 2 }))],
         axes: [{ stroke: () => R.colour('quiet'), grid: { stroke: () => R.colour('grid'), width: 1 } }, { stroke: () => R.colour('quiet'), grid: { stroke: () => R.colour('grid'), width: 1 }, size: 60 }],
       }, columns, place.plot);
+      R.named(plot, 'Axes over time');
       R.onTheme.push(() => plot.redraw(false, true));
     } else plot.setData(columns);
     const positions = found.course.map((/** @type {any} */ axis) => Float64Array.from(axis.q));

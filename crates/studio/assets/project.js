@@ -45,7 +45,7 @@
       row.screen ? R.make('a', { href: `#${row.screen}` }, row.action) : row.action,
     ]);
     place.replaceChildren(R.make('p', { class: 'note' }, known.root, known.edit ? '' : ' – to look at; `blocksim studio --edit` lets you change parameters here'),
-      Desk.table(['item', 'state', 'what is known', 'written', 'see'], rows),
+      Desk.table('What the project consists of', ['item', 'state', 'what is known', 'written', 'see'], rows),
       ...(known.problems.length ? [R.make('h2', {}, 'Problems'), list(known.problems)] : []), R.make('h2', {}, 'What next'), next());
   };
 

@@ -22,7 +22,7 @@
     let all = [];
     try { all = await Desk.ask('runs'); } catch (error) { Desk.refuse(error); return; }
     const rows = all.reverse().map((/** @type {any} */ run) => [R.make('a', { href: `#runs/${encodeURIComponent(run.name)}` }, run.name), R.make('bdi', {}, run.model ?? ''), run.ended, run.simulated, run.took]);
-    view.replaceChildren(rows.length ? Desk.table(['run', 'model', 'ended', 'simulated', 'took'], rows) : R.make('p', { class: 'note' }, 'There are no runs yet; F5 makes one.'));
+    view.replaceChildren(rows.length ? Desk.table('Runs', ['run', 'model', 'ended', 'simulated', 'took'], rows) : R.make('p', { class: 'note' }, 'There are no runs yet; F5 makes one.'));
   };
   return { renew };
 })();

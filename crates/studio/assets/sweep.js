@@ -96,7 +96,7 @@
     if (numbers.length) multiples(all, numbers);
     if (numbers.length) place.views.append(R.make('figure', { class: 'card' }, R.make('figcaption', {}, R.make('span', { class: 'title' }, 'All runs across their parameters and numbers'), R.make('span', { class: 'note' }, 'click a line')), R.make('div', { class: 'wide' }, Charts.parallel({ label: `${found.runs.length} runs; the table below has the same`, axes: [...all, ...numbers.map((/** @type {any} */ one) => ({ name: `${one.name} ${one.unit ? `[${one.unit}]` : ''}`, values: one.values }))], chosen, on: pick }))));
     const button = (/** @type {number} */ n) => Desk.button(n === chosen ? '● chosen' : 'choose', () => pick(n), { 'aria-pressed': String(n === chosen), 'aria-label': `Choose run ${n + 1}` });
-    place.views.append(Desk.table([...all.map((one) => one.name), ...numbers.map((/** @type {any} */ one) => `${one.name} ${one.unit ? `[${one.unit}]` : ''}`), ''], found.runs.map((/** @type {any} */ run, /** @type {number} */ n) => [...all.map((one) => one.texts[n]), ...(run.failed ? [R.make('span', { class: 'bad' }, run.failed), ...numbers.slice(1).map(() => '')] : numbers.map((/** @type {any} */ one) => R.say(one.values[n], 5))), button(n)])));
+    place.views.append(Desk.table('Runs of the sweep', [...all.map((one) => one.name), ...numbers.map((/** @type {any} */ one) => `${one.name} ${one.unit ? `[${one.unit}]` : ''}`), ''], found.runs.map((/** @type {any} */ run, /** @type {number} */ n) => [...all.map((one) => one.texts[n]), ...(run.failed ? [R.make('span', { class: 'bad' }, run.failed), ...numbers.slice(1).map(() => '')] : numbers.map((/** @type {any} */ one) => R.say(one.values[n], 5))), button(n)])));
   };
 
   /** The run that was picked, and what can be done with it. @param {any[]} all @param {any[]} numbers */
@@ -123,7 +123,7 @@
       return R.make('td', {}, button);
     };
     place.views.append(R.make('figure', { class: 'card grid-card' }, R.make('figcaption', {}, R.make('span', { class: 'title' }, `${lead.name} ${lead.unit ? `[${lead.unit}]` : ''}`), R.make('span', { class: 'note' }, `${others.join(', ')} from ${R.say(low, 4)} (light) to ${R.say(high, 4)} (dark)`)),
-      R.make('div', { class: 'wide' }, R.make('table', { class: 'heat' }, R.make('thead', {}, R.make('tr', {}, R.make('th', { scope: 'col' }, all.length > 1 ? `${all[down].name} \\ ${all[across].name}` : all[across].name), ...columns.map((x) => R.make('th', { scope: 'col' }, x)))),
+      R.make('div', { class: 'wide' }, R.make('table', { class: 'heat', 'aria-label': 'Grid of the sweep' }, R.make('thead', {}, R.make('tr', {}, R.make('th', { scope: 'col' }, all.length > 1 ? `${all[down].name} \\ ${all[across].name}` : all[across].name), ...columns.map((x) => R.make('th', { scope: 'col' }, x)))),
         R.make('tbody', {}, ...rows.map((y) => R.make('tr', {}, R.make('th', { scope: 'row' }, y), ...columns.map((x) => cell(x, y)))))))));
   };
   /** A small picture for each number, over the first parameter, a line for each value of the second. @param {any[]} all @param {any[]} numbers */

@@ -1,5 +1,6 @@
 //! The studio as a person uses it, and as strangers would like to.
 
+mod access;
 mod analysis;
 mod browser;
 mod edit;
