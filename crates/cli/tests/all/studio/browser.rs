@@ -253,14 +253,22 @@ impl Page {
 
     /// Draws a finger from one point to another.
     pub fn swipe(&mut self, from: [f64; 2], to: [f64; 2]) {
-        for (kind, points) in [("touchStart", vec![from]), ("touchMove", vec![to]), ("touchEnd", vec![])] {
+        // The first move only tells the browser that it is no tap.
+        let between = [0, 1].map(|k| 0.5 * (from[k] + to[k]));
+        let moves = [("touchStart", vec![from]), ("touchMove", vec![between]), ("touchMove", vec![to])];
+        for (kind, points) in moves.into_iter().chain([("touchEnd", vec![])]) {
             let points: Vec<Value> = points.iter().map(|[x, y]| json!({ "x": x, "y": y })).collect();
             self.ask("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
             // Fingers are followed from picture to picture.
-            self.value(
-                "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(null))))",
-            );
+            self.drawn();
         }
+    }
+
+    /// Waits until what has changed is drawn.
+    pub fn drawn(&mut self) {
+        self.value(
+            "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(null))))",
+        );
     }
 
     /// The page as wide and high as this, of dots that are so many times as large.
