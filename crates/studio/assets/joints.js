@@ -192,7 +192,6 @@
     if (!held) return;
     event.stopImmediatePropagation();
     const before = owner.text(which(), held.axis), first = owner.value(which(), held.axis) * scale(held.axis);
-    const [x0, y0] = spot(event);
     hold();
     // The pointer keeps the distance that it had from the point, which has moved if another pose was shown.
     const seat = project(R.Shapes.times(R.Camera.looking(stage.canvas), R.Shapes.poses(stage.scene, (/** @type {number} */ n) => pose()[n])[held.body]), held.point);
@@ -200,9 +199,9 @@
     mark(held.axis);
     stage.canvas.setPointerCapture(event.pointerId);
     stage.canvas.focus({ preventScroll: true });
+    // Its way counts in the window: what comes or goes above the picture moves that, and nobody has moved the pointer.
     const drag = (/** @type {PointerEvent} */ to) => {
-      const [x, y] = spot(to);
-      at = follow(held, seat[0] + x - x0, seat[1] + y - y0, at);
+      at = follow(held, seat[0] + to.clientX - event.clientX, seat[1] + to.clientY - event.clientY, at);
       after = move(held.axis, at / scale(held.axis));
     };
     const end = (/** @type {Event|null} */ last) => {
