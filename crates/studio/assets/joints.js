@@ -201,10 +201,12 @@
     stage.canvas.focus({ preventScroll: true });
     // Its way counts in the window: what comes or goes above the picture moves that, and nobody has moved the pointer.
     const drag = (/** @type {PointerEvent} */ to) => {
+      if (to.pointerId !== event.pointerId) return;
       at = follow(held, seat[0] + to.clientX - event.clientX, seat[1] + to.clientY - event.clientY, at);
       after = move(held.axis, at / scale(held.axis));
     };
     const end = (/** @type {Event|null} */ last) => {
+      if (last && /** @type {PointerEvent} */ (last).pointerId !== event.pointerId) return;
       for (const [kind, does] of /** @type {[string, any][]} */ ([['pointermove', drag], ['pointerup', end], ['pointercancel', end]])) stage.canvas.removeEventListener(kind, does);
       document.removeEventListener('keydown', escape, true);
       mark(-1);
