@@ -14,6 +14,8 @@ R.Recorder = (() => {
   const LAST = 300, LATE = 5000;
   /** Bytes that a film has at least when its first picture has been coded. */
   const FIRST = 1000;
+  /** The next picture waits for the coder, which leaves out what comes too fast; but no longer than this, ms. */
+  const CODED = 250;
   /** @type {any} What goes on. */ let film = null;
   /** @type {any} */ const place = { line: null, from: null, to: null, speed: null, go: null, told: null };
 
@@ -53,9 +55,13 @@ R.Recorder = (() => {
       const stream = picture.captureStream(0), kind = KINDS.find((one) => MediaRecorder.isTypeSupported(one));
       const recorder = new MediaRecorder(stream, { mimeType: kind, videoBitsPerSecond: Math.min(BITS * picture.width * picture.height, 12e6) });
       /** @type {Blob[]} */ const parts = [];
-      recorder.addEventListener('dataavailable', (event) => { if (event.data.size) parts.push(event.data); });
+      recorder.addEventListener('dataavailable', (event) => {
+        if (!event.data.size) return;
+        parts.push(event.data);
+        next();
+      });
       recorder.addEventListener('error', (event) => { film && (film.failed = /** @type {any} */ (event).error?.message ?? 'the recorder stopped'); stop(); });
-      film = { recorder, track: stream.getVideoTracks()[0], picture, pen, parts, from, to, speed, frames: 0, begin: 0, failed: '', watch: 0 };
+      film = { recorder, track: stream.getVideoTracks()[0], picture, pen, parts, from, to, speed, frames: 0, begin: 0, failed: '', watch: 0, wait: 0 };
       recorder.addEventListener('stop', () => save());
       recorder.start(1000);
     } catch (error) {
@@ -78,7 +84,7 @@ R.Recorder = (() => {
   /** A picture has been drawn. @param {HTMLCanvasElement} canvas */
   const frame = (canvas) => {
     if (!film || film.recorder.state !== 'recording') return;
-    const { picture, pen, track, from, to, speed } = film, dark = R.colour('text');
+    const { picture, pen, track, to } = film, dark = R.colour('text');
     pen.fillStyle = R.colour('raised');
     pen.fillRect(0, 0, picture.width, picture.height);
     pen.drawImage(canvas, 0, 0, picture.width, picture.height);
@@ -90,9 +96,18 @@ R.Recorder = (() => {
     alive();
     told(`${R.say(Math.min(R.now, to), 3)} of ${R.say(to, 3)} s …`);
     if (R.now >= to - 1e-9) { last(performance.now()); return; }
+    clearTimeout(film.wait);
+    film.wait = setTimeout(next, CODED);
+    film.recorder.requestData();
+  };
+  /** The time of the film goes on, unless it does already. */
+  const next = () => {
+    if (!film?.wait) return;
+    clearTimeout(film.wait);
+    film.wait = 0;
     requestAnimationFrame(() => {
-      if (!film || film.recorder.state !== 'recording') return;
-      R.setTime(Math.min(from + (performance.now() - film.begin) / 1000 * speed, to));
+      if (film?.recorder.state !== 'recording') return;
+      R.setTime(Math.min(film.from + (performance.now() - film.begin) / 1000 * film.speed, film.to));
       R.Space.ask();
     });
   };

@@ -51,9 +51,13 @@
   /** Waits for the lock, or takes it from a tab that does not answer, as one that sleeps. @param {boolean} steal */
   const lead = (steal) => {
     turn?.abort();
-    const own = turn = steal ? null : new AbortController();
-    navigator.locks.request(NAME, own ? { signal: own.signal } : { steal: true }, () => new Promise(() => { leads = true; open(); })).catch(() => {
-      if (own?.signal.aborted) return;
+    const own = turn = new AbortController();
+    // A lock that is taken cannot be waited for as well.
+    const how = steal ? { steal } : { signal: own.signal };
+    // What this tab has asked for later counts alone: it may have taken the lock from itself, or it may be given one that it no longer waits for.
+    const held = () => own === turn ? new Promise(() => { leads = true; open(); }) : null;
+    navigator.locks.request(NAME, how, held).catch(() => {
+      if (own !== turn) return;
       // Another tab has taken it.
       leads = false;
       clearTimeout(later);
