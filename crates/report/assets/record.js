@@ -11,11 +11,11 @@ R.Recorder = (() => {
   /** A film without a picture for so long is given up, ms. */
   const STILL = 20000;
   /** How long the last picture stays, and how long the coder, which goes on beside the page, may take for what it has, ms. */
-  const LAST = 300, LATE = 5000;
+  const LAST = 300, LATE = 10000;
   /** Bytes that a film has at least when its first picture has been coded. */
   const FIRST = 1000;
-  /** The next picture waits for the coder, which leaves out what comes too fast; but no longer than this, ms. */
-  const CODED = 250;
+  /** The next picture waits for the coder, which leaves out what comes too fast; how long at most, and how often it is asked, ms. */
+  const CODED = 5000, ASKED = 10;
   /** @type {any} What goes on. */ let film = null;
   /** @type {any} */ const place = { line: null, from: null, to: null, speed: null, go: null, told: null };
 
@@ -56,9 +56,7 @@ R.Recorder = (() => {
       const recorder = new MediaRecorder(stream, { mimeType: kind, videoBitsPerSecond: Math.min(BITS * picture.width * picture.height, 12e6) });
       /** @type {Blob[]} */ const parts = [];
       recorder.addEventListener('dataavailable', (event) => {
-        if (!event.data.size) return;
-        parts.push(event.data);
-        next();
+        if (event.data.size) { parts.push(event.data); next(); } else if (film?.wait) setTimeout(hurry, ASKED);
       });
       recorder.addEventListener('error', (event) => { film && (film.failed = /** @type {any} */ (event).error?.message ?? 'the recorder stopped'); stop(); });
       film = { recorder, track: stream.getVideoTracks()[0], picture, pen, parts, from, to, speed, frames: 0, begin: 0, failed: '', watch: 0, wait: 0 };
@@ -95,11 +93,13 @@ R.Recorder = (() => {
     film.frames++;
     alive();
     told(`${R.say(Math.min(R.now, to), 3)} of ${R.say(to, 3)} s …`);
-    if (R.now >= to - 1e-9) { last(performance.now()); return; }
+    if (R.now >= to - 1e-9) { last(performance.now(), coded()); return; }
     clearTimeout(film.wait);
     film.wait = setTimeout(next, CODED);
-    film.recorder.requestData();
+    hurry();
   };
+  /** Asks the coder for what it has. */
+  const hurry = () => { if (film?.wait && film.recorder.state === 'recording') film.recorder.requestData(); };
   /** The time of the film goes on, unless it does already. */
   const next = () => {
     if (!film?.wait) return;
@@ -111,17 +111,19 @@ R.Recorder = (() => {
       R.Space.ask();
     });
   };
-  /** Shows the last picture until the coder has something to show. @param {number} since */
-  const last = (since) => {
+  /** Bytes of the film so far. */
+  const coded = () => film.parts.reduce((/** @type {number} */ sum, /** @type {Blob} */ part) => sum + part.size, 0);
+  /** Shows the last picture until the coder has it. @param {number} since @param {number} had Bytes of the film before it. */
+  const last = (since, had) => {
     if (!film || film.recorder.state !== 'recording') return;
     clearTimeout(film.watch);
     // What has not been drawn on is not taken again.
     film.pen.drawImage(film.picture, 0, 0);
     film.track.requestFrame();
     film.recorder.requestData();
-    const gone = performance.now() - since, size = film.parts.reduce((/** @type {number} */ sum, /** @type {Blob} */ part) => sum + part.size, 0);
-    if (gone >= LATE || (gone >= LAST && size >= FIRST)) { stop(); return; }
-    film.watch = setTimeout(() => last(since), 60);
+    const gone = performance.now() - since, size = coded();
+    if (gone >= LATE || (gone >= LAST && size > had && size >= FIRST)) { stop(); return; }
+    film.watch = setTimeout(() => last(since, had), 60);
   };
   const stop = () => {
     if (!film) return;
