@@ -108,7 +108,7 @@ pub fn load_with(args: &ModelArgs, purpose: Purpose, options: &Options) -> Resul
     let disk = Disk::with(Plugins::of(args.plugins, purpose));
     let sources = Sources::new(&disk);
     let mut compiled = compile_with(&sources, &args.model, &Options { overrides: &args.set, ..*options });
-    once_for_each_move(&mut compiled.problems);
+    once_for_each_cause(&mut compiled.problems);
     let files = sources.all();
     let on_disk = files.iter().filter(|file| disk.has_read(&file.path)).cloned().collect();
     // Hashed now, before anybody builds them anew.
@@ -116,13 +116,15 @@ pub fn load_with(args: &ModelArgs, purpose: Purpose, options: &Options) -> Resul
     Ok(Loaded { compiled, files, on_disk, plugins: plugins.collect(), offers: disk.offers() })
 }
 
-/// Keeps the first of warnings of one move that stands in several blocks, such as one for each axis.
-fn once_for_each_move(problems: &mut Vec<Problem>) {
+/// Keeps the first of problems that several blocks have for one reason: one move that stands in a block for each axis, one plug-in that
+/// does not build.
+fn once_for_each_cause(problems: &mut Vec<Problem>) {
     let mut seen: Vec<String> = Vec::new();
     problems.retain(|problem| {
-        let is_of_move = problem.code.starts_with("move_");
-        let again = is_of_move && seen.contains(&problem.message);
-        if is_of_move && !again {
+        let is_shared = problem.code.starts_with("move_")
+            || ["plugin_abi", "plugin_build", "plugin_missing", "plugin_symbol"].contains(&problem.code);
+        let again = is_shared && seen.contains(&problem.message);
+        if is_shared && !again {
             seen.push(problem.message.clone());
         }
         !again

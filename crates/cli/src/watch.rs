@@ -73,6 +73,11 @@ fn first_changed(before: &State, now: &State) -> Option<PathBuf> {
     changed.or_else(gone).map(|(path, _)| path.clone())
 }
 
+/// When a source of these plug-ins was written last, by their folders.
+pub fn newest(folders: &[PathBuf]) -> Option<SystemTime> {
+    state(folders).into_iter().filter_map(|(_, file)| Some(file?.0)).max()
+}
+
 /// Files, and of folders, which hold plug-ins, their sources.
 fn state(places: &[PathBuf]) -> State {
     let mut state = State::new();

@@ -17,6 +17,7 @@ use crate::args::values::RUNS;
 use crate::commands::compare::page_of_both;
 use crate::commands::report;
 use crate::terminal::console::Console;
+use crate::watch::newest;
 
 /// How often it is looked whether there are other models.
 const MODELS: Duration = Duration::from_secs(2);
@@ -42,6 +43,8 @@ struct Now {
     shown: Shown,
     /// Files of the model as they were seen last; read anew when they have kept still.
     seen: Vec<Option<SystemTime>>,
+    /// When a source of a plug-in was written last.
+    code: Option<SystemTime>,
     /// When models were looked for.
     searched: Instant,
 }
@@ -61,7 +64,8 @@ impl Studio {
         let model = named.unwrap_or_else(|| PathBuf::from("model.ron"));
         let shown = model::read(&root, &model, 1);
         let seen = times(&root, &model, &shown);
-        let now = Now { models, model, shown, seen, searched: Instant::now() };
+        let code = newest(&blocksim_host::folders());
+        let now = Now { models, model, shown, seen, code, searched: Instant::now() };
         Studio {
             runner: Runner::new(news.clone()),
             linear: Questions::default(),
@@ -136,17 +140,25 @@ impl Studio {
                 self.tell(&now);
             }
         }
-        // A run has made plug-ins known.
-        let ran = self.runner.take_ended() && now.shown.untrusted.is_some();
+        let code = newest(&blocksim_host::folders());
+        let is_newer = std::mem::replace(&mut now.code, code) != code;
+        let is_broken = now.shown.of("plugin_", "error").is_some();
+        // A run has built plug-ins, and made them known.
+        let built = self.runner.take_ended()
+            && (is_broken || now.shown.untrusted.is_some() || now.shown.has_other_plugins());
+        let corrected = is_newer && is_broken;
         let before: Vec<Option<SystemTime>> = known(&now.shown);
         let present = times(&self.root, &now.model, &now.shown);
         let is_quiet = present == now.seen;
         now.seen = present;
         // A file that is gone is about to be written again, as editors do.
-        if ran || is_quiet && now.seen != before {
+        if built || corrected || is_quiet && now.seen != before {
             let version = now.shown.version + 1;
             now.shown = model::read(&self.root, &now.model, version);
             now.seen = times(&self.root, &now.model, &now.shown);
+            now.code = newest(&blocksim_host::folders());
+            self.tell(&now);
+        } else if is_newer {
             self.tell(&now);
         }
     }
@@ -164,7 +176,7 @@ impl Studio {
 
     fn project(&self) -> Value {
         let now = self.now();
-        let (rows, next) = project::rows(&now.model, &now.shown);
+        let (rows, next) = project::rows(&self.root, &now.model, &now.shown);
         json!({
             "root": std::path::absolute(&self.root).unwrap_or_else(|_| self.root.clone()).display().to_string(),
             "name": name_of(&self.root),

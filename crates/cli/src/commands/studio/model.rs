@@ -51,6 +51,10 @@ pub struct Shown {
     pub drawn: Arc<str>,
     /// Files that it was read from, and when each was written.
     pub files: Vec<(PathBuf, Option<SystemTime>)>,
+    /// Its plug-ins, as it names them.
+    pub plugins: Vec<String>,
+    /// Libraries of plug-ins, and when each was written.
+    pub libraries: Vec<(PathBuf, Option<SystemTime>)>,
     /// End of its simulation, s.
     pub until: f64,
     /// Names of its signals, one number each, and what sweeps can measure of them.
@@ -59,6 +63,22 @@ pub struct Shown {
     pub panel: Value,
     /// What is seen of its mechanism, where each of its joints has one freedom; null without.
     pub scene: Value,
+}
+
+impl Shown {
+    /// The first problem whose code begins so.
+    pub fn of(&self, code: &str, severity: &str) -> Option<&str> {
+        let is_it = |problem: &&Value| {
+            problem["severity"] == severity
+                && problem["code"].as_str().is_some_and(|known| known.starts_with(code))
+        };
+        self.problems.iter().find(is_it)?["message"].as_str()
+    }
+
+    /// Whether plug-ins have been built since.
+    pub fn has_other_plugins(&self) -> bool {
+        self.libraries.iter().any(|(path, time)| modified(path) != *time)
+    }
 }
 
 /// A change of a text that corrects a problem.
@@ -103,6 +123,8 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
         fixes: Vec::new(),
         drawn: "null".into(),
         files: Vec::new(),
+        plugins: Vec::new(),
+        libraries: Vec::new(),
         until: 0.0,
         panel: json!([]),
         signals: json!({ "all": [], "recorded": [] }),
@@ -130,9 +152,11 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
     if let Some(scene) = loaded.as_ref().and_then(Loaded::scene) {
         shown.scene = serde_json::from_str(&scene_json(scene, &HashMap::new())).unwrap_or_default();
     }
-    if let Some(Loaded { compiled, on_disk, .. }) = &loaded {
-        let written = |path: &Path| path.metadata().ok().and_then(|data| data.modified().ok());
-        shown.files = on_disk.iter().map(|file| (file.path.clone(), written(&file.path))).collect();
+    if let Some(Loaded { compiled, on_disk, plugins, offers, .. }) = &loaded {
+        shown.files = on_disk.iter().map(|file| (file.path.clone(), modified(&file.path))).collect();
+        let libraries = plugins.iter().map(|used| PathBuf::from(&used.path));
+        shown.libraries = libraries.map(|path| (path.clone(), modified(&path))).collect();
+        shown.plugins = offers.keys().cloned().collect();
         shown.panel = panel::json(&compiled.panel, compiled.schedule.as_ref());
         if let Some(schedule) = &compiled.schedule {
             shown.size = Some(size(schedule));
@@ -192,6 +216,10 @@ fn data(problem: &Problem, texts: &Texts, root: &Path) -> Value {
         "severity": told["severity"], "code": told["code"], "message": told["message"], "help": told["help"],
         "notes": told["notes"], "file": file, "line": label["line"], "column": label["column"],
     })
+}
+
+fn modified(path: &Path) -> Option<SystemTime> {
+    path.metadata().ok().and_then(|data| data.modified().ok())
 }
 
 /// When any of these files was written last.

@@ -60,8 +60,21 @@ pub fn robot_of(model: &Path, scene: &Value) -> Value {
     })
 }
 
+/// The robot of a model in a few words, or why it cannot be read; nothing if it has none.
+pub fn robot_in_words(model: &Path) -> Option<Result<String, String>> {
+    let disk = Disk::default();
+    has_parameter(&Sources::new(&disk), model, "manipulator").then(|| match robot(&common(model)) {
+        Ok((robot, _)) => Ok(plural_axes(robot.limits().len())),
+        Err(failure) => Err(failure.message()),
+    })
+}
+
+fn plural_axes(count: usize) -> String {
+    if count == 1 { "1 axis".to_owned() } else { format!("{count} axes") }
+}
+
 /// Files with moves beside a model, as the model names them.
-fn moves(model: &Path) -> Vec<String> {
+pub fn moves(model: &Path) -> Vec<String> {
     let folder = model.parent().unwrap_or(Path::new("")).join(MOVES);
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .into_iter()
@@ -75,7 +88,7 @@ fn moves(model: &Path) -> Vec<String> {
 }
 
 /// The parameter of the model that a move is given to, as it is written.
-fn move_of(model: &Path) -> Option<String> {
+pub fn move_of(model: &Path) -> Option<String> {
     let disk = Disk::default();
     let sources = Sources::new(&disk);
     let (all, _) = blocksim_diagram::targets(&sources, model);

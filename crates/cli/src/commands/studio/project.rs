@@ -9,10 +9,12 @@ use blocksim_numbers::format::{duration, simulated};
 use blocksim_recording::{Kept, history, limited_bytes};
 use serde_json::{Value, json};
 
-use super::model::{Shown, written};
+use super::model::{Shown, place, written};
+use super::motion;
 use crate::args::values::RUNS;
 use crate::disk::text_files;
 use crate::terminal::render::plural;
+use crate::watch::newest;
 
 /// Bytes at the beginning of a file in which it says what it is.
 const BEGINNING: usize = 16_384;
@@ -61,7 +63,7 @@ fn row(
 }
 
 /// How fresh everything is, and what can be done next.
-pub fn rows(file: &Path, shown: &Shown) -> (Vec<Value>, Vec<[String; 2]>) {
+pub fn rows(root: &Path, file: &Path, shown: &Shown) -> (Vec<Value>, Vec<[String; 2]>) {
     let (of_model, others): (Vec<_>, Vec<_>) =
         shown.files.iter().cloned().partition(|(path, _)| path.ends_with(file));
     let state = if shown.errors > 0 { "error" } else { "ready" };
@@ -88,10 +90,8 @@ pub fn rows(file: &Path, shown: &Shown) -> (Vec<Value>, Vec<[String; 2]>) {
             ("values", "parameters"),
         ));
     }
-    if let Some(reason) = &shown.untrusted {
-        let detail = format!("{reason}; to run the model builds and loads it, and trusts it from then on");
-        rows.push(row("Plug-ins", "missing", detail, None, ("run", "run")));
-    }
+    rows.extend(plugins(shown));
+    rows.extend(robot(&place(root, file), shown));
     let mut next = Vec::new();
     match last_run(file) {
         None => rows.push(row(
@@ -119,6 +119,61 @@ pub fn rows(file: &Path, shown: &Shown) -> (Vec<Value>, Vec<[String; 2]>) {
         next.push(["diagram".to_owned(), "Look at the diagram".to_owned()]);
     }
     (rows, next)
+}
+
+/// Whether the plug-ins of a model are built from what their sources are now.
+fn plugins(shown: &Shown) -> Option<Value> {
+    let run = ("run", "run");
+    if let Some(reason) = &shown.untrusted {
+        let detail = format!("{reason}; to run the model builds and loads it, and trusts it from then on");
+        return Some(row("Plug-ins", "missing", detail, None, run));
+    }
+    if let Some(problem) = shown.of("plugin_", "error") {
+        return Some(row("Plug-ins", "error", problem.to_owned(), None, ("diagram", "diagram")));
+    }
+    let name = |folder: &String| Some(Path::new(folder).file_name()?.to_string_lossy().into_owned());
+    let names: Vec<String> = shown.plugins.iter().filter_map(name).collect();
+    if names.is_empty() {
+        return None;
+    }
+    // Of a library that was loaded before and has been built since the last one counts.
+    let built = shown.libraries.iter().filter_map(|(_, written)| *written).min()?;
+    let (state, detail) = match newest(&blocksim_host::folders()) {
+        Some(source) if source > built => ("stale", "; sources have changed since, the next run builds them"),
+        _ => ("ready", ""),
+    };
+    Some(row("Plug-ins", state, names.join(", ") + detail, Some(built), run))
+}
+
+/// The robot of a model and its move, if it has one.
+fn robot(model: &Path, shown: &Shown) -> Vec<Value> {
+    let motion = ("motion", "motion");
+    let written = |name: &str| {
+        let (path, time) = shown.files.iter().find(|(path, _)| path.ends_with(name))?;
+        path.is_file().then_some(*time)?
+    };
+    let Some(robot) = motion::robot_in_words(model) else { return Vec::new() };
+    let mut rows = vec![match robot {
+        Ok(axes) => row("Robot", "ready", axes, None, motion),
+        Err(problem) => row("Robot", "error", problem, None, motion),
+    }];
+    let kept = match motion::moves(model).len() {
+        0 => String::new(),
+        count => format!("; {} kept", plural(count, "move")),
+    };
+    rows.push(match motion::move_of(model) {
+        None => row("Move", "missing", format!("the model names no move{kept}"), None, motion),
+        Some(used) => {
+            // A move that stands in a file of its own is as old as that.
+            let time = used.split('"').nth(1).and_then(written);
+            match (shown.of("move_", "error"), shown.of("move_", "warning")) {
+                (Some(problem), _) => row("Move", "error", format!("{used}: {problem}"), time, motion),
+                (_, Some(problem)) => row("Move", "ready", format!("{used}: {problem}{kept}"), time, motion),
+                _ => row("Move", "ready", format!("{used}{kept}"), time, motion),
+            }
+        }
+    });
+    rows
 }
 
 /// The newest run of a model.
