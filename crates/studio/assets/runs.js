@@ -5,7 +5,8 @@
 
 /** @type {any} */ (R).Runs = (() => {
   const { Desk } = /** @type {any} */ (R);
-  let shown = '';
+  /** Which run is shown, and which one waits for another to be compared with. */
+  let shown = '', chosen = '';
 
   /** @param {string} name Of the run to show; nothing for the list. */
   const renew = async (name) => {
@@ -21,8 +22,18 @@
     shown = '';
     let all = [];
     try { all = await Desk.ask('runs'); } catch (error) { Desk.refuse(error); return; }
-    const rows = all.reverse().map((/** @type {any} */ run) => [R.make('a', { href: `#runs/${encodeURIComponent(run.name)}` }, run.name), R.make('bdi', {}, run.model ?? ''), run.ended, run.simulated, run.took]);
-    view.replaceChildren(rows.length ? Desk.table('Runs', ['run', 'model', 'ended', 'simulated', 'took'], rows) : R.make('p', { class: 'note' }, 'There are no runs yet; F5 makes one.'));
+    all.reverse();
+    if (!all.some((/** @type {any} */ run) => run.name === chosen)) chosen = '';
+    /** @param {any} run */
+    const compare = ({ name }) => {
+      if (chosen && chosen !== name) { location.hash = `#runs/${encodeURIComponent(`${chosen}~${name}`)}`; chosen = ''; return; }
+      chosen = chosen ? '' : name;
+      renew('').then(() => document.getElementById(`compare-${name}`)?.focus());
+    };
+    const text = (/** @type {any} */ run) => chosen === '' ? 'Compare' : chosen === run.name ? 'Choose another run, or leave it' : 'Compare with it';
+    const rows = all.map((/** @type {any} */ run) => [R.make('a', { href: `#runs/${encodeURIComponent(run.name)}` }, run.name), R.make('bdi', {}, run.model ?? ''), run.ended, run.simulated, run.took,
+      all.length > 1 ? Desk.button(text(run), () => compare(run), { id: `compare-${run.name}`, 'aria-pressed': String(chosen === run.name) }) : '']);
+    view.replaceChildren(rows.length ? Desk.table('Runs', ['run', 'model', 'ended', 'simulated', 'took', 'side by side'], rows) : R.make('p', { class: 'note' }, 'There are no runs yet; F5 makes one.'));
   };
   return { renew };
 })();
