@@ -3,27 +3,39 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
-use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 /// How long a page may take for anything.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A page of a browser.
-pub struct Page {
-    folder: PathBuf,
+/// A browser, and the pipes over which it is spoken with.
+struct Browser {
     child: Child,
     to: File,
     from: File,
     read: Vec<u8>,
+    asked: u64,
+}
+
+/// Browsers that have nothing to do: a start takes as long as many a test. What a page leaves behind goes with its context.
+static IDLE: Mutex<Vec<Browser>> = Mutex::new(Vec::new());
+
+/// A page of a browser that nobody else uses meanwhile.
+pub struct Page {
+    /// Until the page is closed.
+    browser: Option<Browser>,
+    /// Where the page keeps what it remembers, apart from all others.
+    context: String,
     session: String,
     /// Tabs of the browser: their targets and sessions.
     tabs: Vec<(String, String)>,
-    asked: u64,
     /// What the page complained about.
     pub complaints: Vec<String>,
 }
@@ -38,22 +50,17 @@ fn installed() -> Option<&'static str> {
     found
 }
 
-impl Page {
-    /// An empty page, if there is a browser.
-    pub fn new() -> Option<Page> {
+impl Browser {
+    fn start(program: &str) -> Browser {
         static COUNT: AtomicU32 = AtomicU32::new(0);
-        let Some(program) = installed() else {
-            let notice = "SKIPPED: no Chromium is installed; the studio was not looked at in a browser";
-            let _ = writeln!(std::io::stderr(), "{notice}");
-            return None;
-        };
         let n = COUNT.fetch_add(1, Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("blocksim-browser-{}-{n}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
         let made = Command::new("mkfifo").arg(folder.join("to")).arg(folder.join("from")).status();
         assert!(made.expect("mkfifo").success());
+        // It ends with whoever holds the pipes, and the shell tidies up behind it.
         let child = Command::new("sh")
-            .args(["-c", "exec \"$0\" \"$@\" 3<to 4>from", program])
+            .args(["-c", "\"$0\" \"$@\" 3<to 4>from; cd / && rm -rf \"$FOLDER\"", program])
             .args([
                 "--headless",
                 "--no-sandbox",
@@ -62,6 +69,7 @@ impl Page {
                 "--window-size=1300,900",
             ])
             .arg(format!("--user-data-dir={}", folder.join("profile").display()))
+            .env("FOLDER", &folder)
             .current_dir(&folder)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
@@ -71,9 +79,64 @@ impl Page {
         // In the order in which the shell opens them.
         let to = OpenOptions::new().write(true).open(folder.join("to")).expect("a pipe");
         let from = File::open(folder.join("from")).expect("a pipe");
-        let complaints = Vec::new();
-        let (read, session, tabs) = (Vec::new(), String::new(), Vec::new());
-        let mut page = Page { folder, child, to, from, read, session, tabs, asked: 0, complaints };
+        Browser { child, to, from, read: Vec::new(), asked: 0 }
+    }
+
+    fn message(&mut self) -> Value {
+        let mut part = [0; 65_536];
+        loop {
+            if let Some(end) = self.read.iter().position(|byte| *byte == 0) {
+                let message: Vec<u8> = self.read.drain(..=end).collect();
+                return serde_json::from_slice(&message[..end]).expect("JSON of the browser");
+            }
+            let count = self.from.read(&mut part).expect("the browser speaks");
+            assert!(count > 0, "the browser has gone");
+            self.read.extend_from_slice(&part[..count]);
+        }
+    }
+
+    /// What it answers; `told` takes what it reports meanwhile.
+    fn ask(
+        &mut self,
+        session: &str,
+        method: &str,
+        parameters: &Value,
+        mut told: impl FnMut(&Value),
+    ) -> Value {
+        self.asked += 1;
+        let mut request = json!({ "id": self.asked, "method": method, "params": parameters });
+        if !session.is_empty() {
+            request["sessionId"] = session.into();
+        }
+        self.to.write_all(format!("{request}\0").as_bytes()).expect("the browser listens");
+        loop {
+            let mut message = self.message();
+            if message["id"] == self.asked {
+                assert!(message["error"].is_null(), "{method}: {}", message["error"]);
+                return message["result"].take();
+            }
+            told(&message);
+        }
+    }
+}
+
+impl Page {
+    /// An empty page, if there is a browser.
+    pub fn new() -> Option<Page> {
+        let idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let browser = match (idle, installed()) {
+            (Some(browser), _) => browser,
+            (None, Some(program)) => Browser::start(program),
+            (None, None) => {
+                let notice = "SKIPPED: no Chromium is installed; the studio was not looked at in a browser";
+                let _ = writeln!(std::io::stderr(), "{notice}");
+                return None;
+            }
+        };
+        let (context, session, tabs) = (String::new(), String::new(), Vec::new());
+        let mut page = Page { browser: Some(browser), context, session, tabs, complaints: Vec::new() };
+        let made = page.ask("Target.createBrowserContext", json!({}));
+        made["browserContextId"].as_str().expect("a context").clone_into(&mut page.context);
         page.tab();
         Some(page)
     }
@@ -81,7 +144,11 @@ impl Page {
     /// Opens one more tab of the browser, and speaks with it from now on.
     pub fn tab(&mut self) {
         self.session.clear();
-        let target = self.ask("Target.createTarget", json!({ "url": "about:blank" }))["targetId"].clone();
+        let target = self.ask(
+            "Target.createTarget",
+            json!({ "url": "about:blank", "browserContextId": self.context, "width": 1300, "height": 900 }),
+        )["targetId"]
+            .clone();
         let attached = self.ask("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
         self.session = attached["sessionId"].as_str().expect("a session").to_owned();
         self.tabs.push((target.as_str().expect("a target").to_owned(), self.session.clone()));
@@ -115,38 +182,17 @@ impl Page {
         self.tabs.len()
     }
 
-    fn message(&mut self) -> Value {
-        let mut part = [0; 65_536];
-        loop {
-            if let Some(end) = self.read.iter().position(|byte| *byte == 0) {
-                let message: Vec<u8> = self.read.drain(..=end).collect();
-                return serde_json::from_slice(&message[..end]).expect("JSON of the browser");
-            }
-            let count = self.from.read(&mut part).expect("the browser speaks");
-            assert!(count > 0, "the browser has gone");
-            self.read.extend_from_slice(&part[..count]);
-        }
-    }
-
     fn ask(&mut self, method: &str, parameters: Value) -> Value {
-        self.asked += 1;
-        let mut request = json!({ "id": self.asked, "method": method, "params": parameters });
-        if !self.session.is_empty() {
-            request["sessionId"] = self.session.as_str().into();
-        }
-        self.to.write_all(format!("{request}\0").as_bytes()).expect("the browser listens");
-        loop {
-            let mut message = self.message();
-            if message["id"] == self.asked {
-                assert!(message["error"].is_null(), "{method}: {}", message["error"]);
-                return message["result"].take();
-            }
+        let (complaints, tabs) = (&mut self.complaints, &self.tabs);
+        let told = |message: &Value| {
             let complains =
                 ["Runtime.exceptionThrown", "Log.entryAdded"].iter().any(|name| message["method"] == *name);
-            if complains {
-                self.complaints.push(message["params"].to_string());
+            // A page that was closed before may have complained last.
+            if complains && tabs.iter().any(|(_, session)| message["sessionId"] == *session.as_str()) {
+                complaints.push(message["params"].to_string());
             }
-        }
+        };
+        self.browser.as_mut().expect("a browser").ask(&self.session, method, &parameters, told)
     }
 
     /// Opens an address.
@@ -316,17 +362,23 @@ impl Page {
         }
     }
 
-    /// A picture of the page, for those who look at a test.
-    #[expect(dead_code, reason = "for those who look at a test")]
-    pub fn picture(&mut self) -> String {
-        self.ask("Page.captureScreenshot", json!({}))["data"].as_str().unwrap_or_default().to_owned()
+    /// A picture of the page (WebP).
+    pub fn picture(&mut self) -> Vec<u8> {
+        let how = json!({ "format": "webp", "quality": 80 });
+        let picture = self.ask("Page.captureScreenshot", how)["data"].take();
+        STANDARD.decode(picture.as_str().unwrap_or_default()).expect("base64")
     }
 }
 
 impl Drop for Page {
     fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-        let _ = std::fs::remove_dir_all(&self.folder);
+        let Some(mut browser) = self.browser.take() else { return };
+        // One in which something went wrong may be in the middle of an answer.
+        if std::thread::panicking() {
+            let _ = browser.child.kill();
+            return;
+        }
+        browser.ask("", "Target.disposeBrowserContext", &json!({ "browserContextId": self.context }), |_| ());
+        IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(browser);
     }
 }
