@@ -17,7 +17,9 @@ fn main() {
         "Diagrams around the examples of blocks, by kind.",
         &examples,
     );
-    let pictures = entries("", &docs, &["svg", "png"], "include_bytes");
+    let endings = ["svg", "png", "webp"];
+    let mut pictures = entries("", &docs, &endings, "include_bytes");
+    pictures += &entries("tutorials/", &docs.join("tutorials"), &endings, "include_bytes");
     write_table("MANUAL_PICTURES", "&[(&str, &[u8])]", "Pictures of the guides by name, sorted.", &pictures);
 }
 

@@ -9,6 +9,7 @@ mod joints;
 mod panel;
 mod sheets;
 mod tabs;
+mod tutorial;
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
