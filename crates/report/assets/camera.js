@@ -3,7 +3,7 @@
 // From where one looks at the mechanism: standard views, by hand, and as near as shows everything.
 /* global R */
 
-R.Camera = (() => {
+R.camera = () => {
   /** Distance at which two metres fill the height, m. */
   const LENS = 2.4;
   /** Azimuth and elevation of the standard views. @type {Record<string, [number, number, string]>} */
@@ -80,4 +80,5 @@ R.Camera = (() => {
   };
 
   return { VIEWS, looking, sun, fit, look, mouse };
-})();
+};
+R.Camera = R.camera();

@@ -19,11 +19,13 @@ const R = {
   /** @type {any} */ Stretches: null,
   /** @type {any} */ Readings: null,
   /** @type {any} */ Overlay: null,
-  /** @type {any} */ Space: null,
+  /** @type {any} The 3D view. */ Space: null,
+  /** Makes a 3D view, of which a page may have several. @type {any} */ view: null,
   /** @type {any} */ Shapes: null,
   /** @type {any} */ Meshes: null,
   /** @type {any} */ Draw3d: null,
-  /** @type {any} */ Camera: null,
+  /** @type {any} Where the eye of the 3D view is. */ Camera: null,
+  /** Makes an eye. @type {any} */ camera: null,
   /** @type {any} */ Recorder: null,
   /** @type {any} */ Signals: null,
   /** @type {any} */ Wires: null,
@@ -44,11 +46,15 @@ const R = {
     return width === 8 ? new Float64Array(whole.buffer) : Float64Array.from(new Float32Array(whole.buffer));
   },
 
-  /** Bytes of a compressed block. @param {string} id @returns {Promise<ArrayBuffer|null>} */
+  /** Bytes of a compressed block of the page. @param {string} id @returns {Promise<ArrayBuffer|null>} */
   async unpack(id) {
     const place = document.getElementById(id);
-    if (!place) return null;
-    const text = atob(place.textContent || '');
+    return place && R.inflate(place.textContent || '');
+  },
+
+  /** Bytes of a compressed block in base64. @param {string} packedText @returns {Promise<ArrayBuffer>} */
+  async inflate(packedText) {
+    const text = atob(packedText);
     const packed = new Uint8Array(text.length);
     for (let n = 0; n < text.length; n++) packed[n] = text.charCodeAt(n);
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));

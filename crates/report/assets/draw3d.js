@@ -62,6 +62,8 @@ R.Draw3d = (() => {
       },
       /** What follows shines through all that was drawn. */
       through() { gl.disable(gl.DEPTH_TEST); },
+      /** Nothing will be drawn any more. */
+      end() { gl.getExtension('WEBGL_lose_context')?.loseContext(); },
       /** @param {any} mesh @param {ArrayLike<number>} place @param {number[]} colour */
       solid(mesh, place, colour) {
         const ghost = colour[3] < 1;

@@ -5,7 +5,7 @@
 
 R.Meshes = (() => {
   const SMOOTH = Math.cos(35 * Math.PI / 180), FLAT = Math.cos(Math.PI / 180), MOST = 64, WIRES = 800;
-  /** @type {Map<number, {triangles: number[], lines: number[]}>} */ const made = new Map();
+  /** @type {WeakMap<object, {triangles: number[], lines: number[]}>} */ const made = new WeakMap();
 
   /** Numbers from their differences in 16 bits. @param {[number, number, number]} where */
   const summed = (where) => {
@@ -73,8 +73,8 @@ R.Meshes = (() => {
   const mesh = (shape, surfaces) => {
     const surface = surfaces?.[shape.surface];
     if (shape.kind !== 'mesh' || !surface) return null;
-    let found = made.get(shape.surface);
-    if (!found) made.set(shape.surface, found = build(surface));
+    let found = made.get(surface);
+    if (!found) made.set(surface, found = build(surface));
     return found;
   };
   return { mesh };

@@ -3,10 +3,15 @@
 // The 3D view, at the present time of the page.
 /* global R */
 
-R.Space = (() => {
-  const S = R.Shapes, C = R.Camera;
+/** A 3D view.
+ * @param {{camera: any, id: string, count: string, films: boolean, pause: number}} given The eye; the place by its id; what counts the pictures for
+ * tests; whether they can be recorded; and how long the next picture waits at least, ms. */
+R.view = ({ camera: C, id, count, films, pause }) => {
+  const S = R.Shapes;
   const LINKS = [[0.42, 0.46, 0.52], [0.95, 0.52, 0.16], [0.93, 0.55, 0.22], [0.95, 0.52, 0.16], [0.93, 0.55, 0.22], [0.95, 0.52, 0.16], [0.35, 0.38, 0.44]];
   const AROUND = [0.6, 0.58, 0.54];
+  /** The path of a movement that grows is drawn anew no more often than this, ms. */
+  const TRACE = 250;
   const one = S.placed({ translation: [0, 0, 0], rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] });
   /** @typedef {[number, number, string, string, number]} Contact From, to, names, depth. */
   /** Where the floor is. */ let ground = one;
@@ -21,7 +26,9 @@ R.Space = (() => {
   /** @type {Record<string, any>} */ const shown = {};
   /** A pose that is shown instead of that at the present time, one number for each position. @type {ArrayLike<number>|null} */ let held = null;
   /** What else is drawn, over everything. @type {((pen: any, here: Float64Array[]) => void)[]} */ const layers = [];
-  let asked = false, seen = true, frame = 0, slow = 0, fine = 1, last = 0, rest = 0;
+  let asked = false, seen = true, frame = 0, slow = 0, fine = 1, last = 0, rest = 0, chosen = false;
+  /** The path is to be drawn anew; when it was last, where the movement grows. */
+  let stale = false, traced = 0, later = 0;
   const triad = (/** @type {number} */ size) => [[0, 0, 0, size, 0, 0], [0, 0, 0, 0, size, 0], [0, 0, 0, 0, 0, size]];
   const small = triad(0.12), large = triad(0.4), AXES = [[0.85, 0.2, 0.2, 1], [0.1, 0.6, 0.25, 1], [0.15, 0.4, 0.95, 1]];
   const ball = S.mesh({ kind: 'sphere', radius: 0.03 });
@@ -45,10 +52,14 @@ R.Space = (() => {
 
   const paint = () => {
     asked = false;
-    if (!seen && !R.Recorder.active()) return;
+    if (!seen && !(films && R.Recorder.active())) return;
     const pen = data.pen, begin = performance.now();
+    if (stale && begin - traced >= TRACE) follow();
+    // What has come since is not forgotten, should nothing more come.
+    clearTimeout(later);
+    if (stale) later = setTimeout(ask, TRACE);
     // Where pictures follow each other slowly, as without a graphics card, half the dots will do, or a third.
-    slow = begin - last > 60 && begin - last < 1000 ? slow + 1 : 0;
+    slow = begin - last > 60 + pause && begin - last < 1000 ? slow + 1 : 0;
     last = begin;
     if (slow >= 4) fine = slow >= 12 ? 0.34 : 0.5;
     clearTimeout(rest);
@@ -80,11 +91,16 @@ R.Space = (() => {
     pose.textContent = at ? `${tool ? tool.name : scene.bodies[scene.bodies.length - 1].name}\nx ${(at[12] * 1000).toFixed(1)} mm\ny ${(at[13] * 1000).toFixed(1)} mm\nz ${(at[14] * 1000).toFixed(1)} mm` : '';
     frame++;
     const m = /** @type {any} */ (window).__m;
-    m.frames = frame;
+    m[count] = frame;
     m.frame_ms = performance.now() - begin;
-    R.Recorder.frame(canvas);
+    if (films) R.Recorder.frame(canvas);
   };
-  const ask = () => { if (!asked) { asked = true; requestAnimationFrame(paint); } };
+  const ask = () => {
+    if (asked) return;
+    asked = true;
+    const left = last + pause - performance.now();
+    if (left > 0) setTimeout(() => requestAnimationFrame(paint), left); else requestAnimationFrame(paint);
+  };
 
   /** Way of the tool over the whole time, as lines short enough for one buffer each. */
   const trace = () => {
@@ -98,6 +114,25 @@ R.Space = (() => {
       last = here;
     }
     path = line.length ? [line] : [];
+  };
+  /** The path of a movement that has grown; what has left the picture is brought back, unless somebody has chosen what to see. */
+  const follow = () => {
+    stale = false;
+    traced = performance.now();
+    trace();
+    if (!chosen && isOut()) fit();
+  };
+  /** Whether a part of the mechanism is beyond the edge of the picture. */
+  const isOut = () => {
+    const here = poses(false), looks = C.looking(canvas);
+    return parts.some(({ shape, mesh, local }) => {
+      const m = S.times(looks, S.times(here[shape.body], local));
+      for (let n = 0; n + 2 < mesh.lines.length; n += 12) {
+        const [x, y, z] = mesh.lines.slice(n, n + 3), deep = m[3] * x + m[7] * y + m[11] * z + m[15];
+        if (Math.abs(m[0] * x + m[4] * y + m[8] * z + m[12]) > deep || Math.abs(m[1] * x + m[5] * y + m[9] * z + m[13]) > deep) return true;
+      }
+      return false;
+    });
   };
 
   /** Shows everything at the begin, in the middle and at the end. */
@@ -129,11 +164,16 @@ R.Space = (() => {
     return [R.make('p', { class: 'contacts' }, R.make('b', {}, 'Contacts.'), ' ', ...ways, all.length > 6 ? ` and ${all.length - 6} more, marked on the time line` : ''), ...note];
   };
 
-  const build = () => {
-    const place = document.getElementById('space-view');
-    data = R.data.space;
+  /** Shows a movement in its place. @param {any} [given] */
+  const build = (given = R.data.space) => {
+    const place = document.getElementById(id);
+    // Browsers have few contexts to give.
+    if (data !== given) data?.pen?.end?.();
+    data = given;
     if (!place || !data) return;
+    place.classList.add('space-view');
     scene = data.scene;
+    [stale, chosen, held] = [false, false, null];
     const list = (/** @type {any} */ given) => ArrayBuffer.isView(given) ? given : R.list(given);
     data.time = list(data.time);
     data.positions = data.positions.map(list);
@@ -150,9 +190,12 @@ R.Space = (() => {
       if (mesh) parts.push({ shape, mesh, local: S.placed(shape) }); else left++;
     }
     canvas = R.make('canvas', { tabindex: '0', 'aria-label': 'The 3D view; drag turns, Shift and drag moves, the wheel zooms' });
-    pose = R.make('output', { class: 'pose' });
+    // It changes too often to be read out by itself.
+    pose = R.make('output', { class: 'pose', 'aria-live': 'off' });
     alarm = R.make('output', { class: 'touching' });
     ground = S.placed({ translation: [0, 0, scene.floor ?? 0], rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] });
+    // In the studio these keys do other things.
+    const hint = (/** @type {string} */ key) => document.body.classList.contains('studio') ? '' : ` (${key})`;
     const toggle = (/** @type {string} */ key, /** @type {string} */ name, /** @type {boolean} */ on) => {
       shown[key] = R.make('input', { type: 'checkbox' });
       shown[key].checked = on;
@@ -160,11 +203,11 @@ R.Space = (() => {
       return R.make('label', {}, shown[key], ' ', name);
     };
     const views = Object.entries(C.VIEWS).map(([number, [, , name]]) => {
-      const button = R.make('button', { type: 'button', title: `View from: ${name} (${number})` }, name);
+      const button = R.make('button', { type: 'button', title: `View from: ${name}${hint(number)}` }, name);
       button.addEventListener('click', () => look(number));
       return button;
     });
-    const switches = [toggle('ghost', 'set value (G)', true), toggle('path', 'path (P)', true), toggle('frames', 'frames (M)', false), toggle('masses', 'centres of mass (C)', false)];
+    const switches = [toggle('ghost', `set value${hint('G')}`, true), toggle('path', `path${hint('P')}`, true), toggle('frames', `frames${hint('M')}`, false), toggle('masses', `centres of mass${hint('C')}`, false)];
     if (!data.set) switches[0].hidden = true;
     data.pen = R.Draw3d.webgl(canvas);
     if (!data.pen) {
@@ -178,37 +221,53 @@ R.Space = (() => {
     const notes = [data.pen.name === 'WebGL' ? '' : 'No WebGL here: drawn as a wire frame.', left ? `Not shown: ${left === 1 ? 'one mesh' : `${left} meshes`}.` : ''].filter(Boolean).join(' ');
     const bar = R.make('div', { class: 'space-bar' }, ...views, ...switches, R.make('span', { class: 'note' }, notes));
     place.append(bar, ...contacts(), canvas, pose, alarm);
-    R.Recorder.build(bar, bar);
+    if (films) R.Recorder.build(bar, bar);
     trace();
     fit();
     C.mouse(canvas, ask);
     // What is out of sight is not drawn.
-    new IntersectionObserver((all) => { seen = all[all.length - 1].isIntersecting; if (seen) ask(); }).observe(canvas);
-    R.onTime.push(ask);
-    R.onTheme.push(ask);
+    watch?.disconnect();
+    watch = new IntersectionObserver((all) => { seen = all[all.length - 1].isIntersecting; if (seen) ask(); });
+    watch.observe(canvas);
     // Paper takes a picture of the view.
     canvas.classList.add('drawn');
+    // Somebody has chosen what to see.
+    for (const kind of ['pointerdown', 'wheel']) canvas.addEventListener(kind, () => { chosen = true; }, { passive: true });
+    if (!listens) listen();
+    paint();
+  };
+  /** @type {IntersectionObserver|null} */ let watch = null;
+  let listens = false;
+  /** What any movement in this place is to hear. */
+  const listen = () => {
+    listens = true;
+    R.onTime.push(ask);
+    R.onTheme.push(ask);
     /** @type {HTMLCanvasElement|null} */ let still = null;
     window.addEventListener('beforeprint', () => {
+      if (!canvas.isConnected || !canvas.clientWidth) return;
       seen = true;
       paint();
       still ??= /** @type {HTMLCanvasElement} */ (R.make('canvas', { class: 'still' }));
       [still.width, still.height] = [canvas.width, canvas.height];
       still.getContext('2d')?.drawImage(canvas, 0, 0);
-      place.append(still);
+      canvas.parentElement.append(still);
     });
     window.addEventListener('afterprint', () => still?.remove());
     // A telephone that is turned: all is shown again, unless somebody has chosen what to see.
-    let chosen = false;
-    for (const kind of ['pointerdown', 'wheel']) canvas.addEventListener(kind, () => { chosen = true; }, { passive: true });
-    window.addEventListener('resize', () => { if (!chosen) fit(); ask(); });
-    paint();
+    window.addEventListener('resize', () => { if (!chosen && canvas.clientWidth > 0) fit(); ask(); });
   };
 
   /** Another movement of the same mechanism. @param {Float64Array} time @param {Float64Array[]} positions @param {Float64Array[]} set */
   const renew = (time, positions, set) => {
     Object.assign(data, { time, positions, set });
     trace();
+    ask();
+  };
+  /** The movement as far as it is known by now. @param {Float64Array} time @param {Float64Array[]} positions */
+  const grow = (time, positions) => {
+    Object.assign(data, { time, positions });
+    stale = true;
     ask();
   };
 
@@ -220,5 +279,6 @@ R.Space = (() => {
   /** @type {Record<string, () => void>} */
   const keys = { g: flip('ghost'), p: flip('path'), m: flip('frames'), c: flip('masses'), f: () => { fit(); ask(); } };
   for (const number of Object.keys(C.VIEWS)) keys[number] = () => look(number);
-  return { build, renew, fit, keys, poses, paint, ask, hold, position, layers, stage };
-})();
+  return { build, renew, grow, fit, keys, poses, paint, ask, hold, position, layers, stage };
+};
+R.Space = R.view({ camera: R.Camera, id: 'space-view', count: 'frames', films: true, pause: 0 });

@@ -28,7 +28,7 @@ pub use data::{
 pub use diagram::texts;
 pub use escape::escape;
 pub use page::html;
-pub use surface::Surface;
+pub use surface::{Surface, surfaces};
 pub use thin::rows as telling_rows;
 
 /// Bytes that a page is made to fit into unless all values are asked for.

@@ -32,6 +32,13 @@ impl Surface {
     }
 }
 
+/// Meshes as the scripts of the 3D view take them, and the compressed numbers that they point into.
+pub fn surfaces(all: &[Surface]) -> (Value, String) {
+    let mut pack = Pack::default();
+    let data = all.iter().map(|surface| surface.data(&mut pack)).collect();
+    (data, pack.finish())
+}
+
 /// Each number without the one before it, modulo 65536.
 fn differences(values: &[u16]) -> Vec<u16> {
     let before = std::iter::once(&0).chain(values);

@@ -19,7 +19,9 @@
   /** An instant was chosen, by the slider or in a scope. @param {number|null} t */
   const choose = (t) => {
     chosen = t;
-    if (t !== null) { own = true; R.setTime(t); own = false; }
+    own = true;
+    R.setTime(t ?? run.time());
+    own = false;
     told();
   };
   const told = () => {

@@ -4,7 +4,7 @@
 /* global R, uPlot */
 
 /** @type {any} */ (R).Live = (() => {
-  const { Desk, Panel, Futures } = /** @type {any} */ (R);
+  const { Desk, Panel, Futures, Movement } = /** @type {any} */ (R);
   /** Numbers beside the pictures change no more often than this, ms. */
   const READ = 100;
   /** Numbers that a scope has room for at first. */
@@ -14,7 +14,7 @@
   /** @type {Float64Array[]} Columns with room behind what is known: the times, then the values. */ let columns = [];
   /** Whether values are missing, by column. @type {boolean[]} */ let gaps = [];
   let read = 0, readLater = 0;
-  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, draws = false, wanted = '', model = '';
+  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, joints = 1, draws = false, wanted = '', model = '';
   /** Signals that are recorded beside those of the model. @type {Set<string>} */ const extra = new Set();
   /** What came before, and is not known here yet, is asked for; news wait for it. */ let behind = true;
   /** @type {[number, () => void][]} */ let waiting = [];
@@ -38,10 +38,12 @@
     until = told.until;
     R.span = [0, until];
     Futures.begin();
-    // Those of the panel stand behind those of the scopes.
+    // Those of the panel stand behind those of the scopes, and those of the mechanism behind both.
     shown = 1 + panels.reduce((sum, panel) => sum + panel.series.length, 0);
-    for (let n = 0; n < shown + told.shown.length; n++) columns.push(new Float64Array(ROOM));
+    joints = shown + told.shown.length;
+    for (let n = 0; n < joints + (told.joints ?? 0); n++) columns.push(new Float64Array(ROOM));
     Panel.quiet();
+    Movement.begin(told, joints);
     for (const panel of panels) {
       panel.time = columns[0].subarray(0, 0);
       for (const s of panel.series) s.values = panel.time;
@@ -125,13 +127,14 @@
     }
     range();
     if (running() && rows) { state.t = time[rows - 1]; told(); }
+    Movement.grow(columns, rows);
     draws = true;
     R.setTime(Futures.chosen() ?? (rows ? time[rows - 1] : 0));
     draws = false;
     Futures.told();
     for (const panel of panels) if (panel.seen) R.Picture.mark(panel);
     tell();
-    if (rows) Panel.show(columns.slice(shown).map((column) => column[rows - 1]));
+    if (rows) Panel.show(columns.slice(shown, joints).map((column) => column[rows - 1]));
   };
   /** Gives a picture its rows. @param {any} panel */
   const paint = (panel) => {
@@ -267,7 +270,9 @@
     place.follow.addEventListener('change', () => { follow = Number(place.follow.value); range(); });
     place.extra = R.make('div', { class: 'extra' });
     const past = R.make('div', { class: 'past' });
-    view.replaceChildren(place.line, place.bar, R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow), past, place.extra, place.knobs);
+    const tools = R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow);
+    view.replaceChildren(place.line, place.bar, tools, past, place.extra, place.knobs);
+    Movement.build(tools, { resized: fit });
     Futures.build(past, { control, rows: () => rows, time: last, state: () => state, draws: () => draws, redraw: draw, goesBack: () => ['running', 'paused', 'done', 'failed'].includes(state?.state) });
     Panel.build(document.getElementById('panel'), { running, set: (/** @type {string} */ set) => control({ do: 'set', set }) });
     told();
@@ -281,11 +286,17 @@
       if (one) { one.told.textContent = refused ? [refused, help].filter(Boolean).join(' – ') : `since ${R.say(t)} s${lost?.length ? `; values at the start of ${lost.join(', ')} have no effect any more` : ''}`; one.told.classList.toggle('bad', Boolean(refused)); }
     });
     Desk.on('run', renew);
+    // Another instant was chosen: scopes and their legends show it, also where nothing runs.
+    R.onTime.push(() => {
+      if (draws || view.closest('section')?.hidden) return;
+      for (const panel of panels) if (panel.seen) R.Picture.mark(panel);
+      tell();
+    });
     R.onTheme.push(() => { for (const panel of panels) for (const u of [panel.main, panel.strip]) u?.redraw(false, true); });
     window.addEventListener('resize', fit);
   };
   /** The times of the page are those of the run again, with its last one. */
-  const span = () => { if (rows) { R.span = [0, until]; R.setTime(columns[0][rows - 1]); } };
+  const span = () => { if (rows) { R.span = [0, until]; R.setTime(columns[0][rows - 1]); } Movement.show(); };
   /** Parameters that one wants to turn while a run goes on, and what they were set to. @type {Map<string, any>} */ const knobs = new Map();
   /** A parameter with a slider, from nothing to twice its value, and a field. @param {string} name @param {any} target */
   const knob = (name, target) => {

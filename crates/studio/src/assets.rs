@@ -9,12 +9,13 @@ macro_rules! own {
 }
 
 /// Scripts of the studio, in their order behind those of the page of a run.
-pub(crate) const OWN: [Asset; 17] = [
+pub(crate) const OWN: [Asset; 18] = [
     own!("stream.js"),
     own!("desk.js"),
     own!("project.js"),
     own!("panel.js"),
     own!("futures.js"),
+    own!("movement.js"),
     own!("live.js"),
     own!("values.js"),
     own!("joints.js"),

@@ -48,7 +48,7 @@ pub(crate) fn page(title: &str) -> String {
         let view = match id {
             "diagram" => "<div id=\"problems\"></div><div id=\"diagram-view\"></div>".to_owned(),
             "run" => "<div id=\"run-bar\"></div><div class=\"run-parts\"><div id=\"panel\" role=\"group\" aria-label=\"Panel\"></div>\
-                      <div id=\"plots\"></div></div>"
+                      <div id=\"movement\" role=\"group\" aria-label=\"Mechanism\" hidden></div><div id=\"plots\"></div></div>"
                 .to_owned(),
             other => format!("<div id=\"{other}-view\"></div>"),
         };

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use blocksim_block::problem::Problem;
 use blocksim_blocks::robotics::Surroundings;
 use blocksim_collision::{Check, Rules};
 use blocksim_diagram::{Sources, has_parameter, parameter};
@@ -24,18 +25,31 @@ const SLAB: [f64; 2] = [20.0, 200.0];
 /// # Errors
 /// Why they cannot be read, in words.
 pub fn read(file: Option<&Path>, model: Option<(&Text, &Sources)>) -> Result<Option<Surroundings>, String> {
-    let said = |problems: Vec<blocksim_block::problem::Problem>| {
-        problems.first().map_or_else(|| "they cannot be read".to_owned(), |problem| problem.message.clone())
-    };
     if let Some(file) = file {
         let disk = Disk::default();
         return parameter(&Sources::new(&disk), file, &[], NAME).map(Some).map_err(said);
     }
     let Some((text, sources)) = model else { return Ok(None) };
-    if !has_parameter(sources, &text.root, NAME) {
+    of_model(sources, &text.root, &text.overrides)
+}
+
+/// Surroundings as a diagram names them, if it does; `overrides` as of `--set`.
+///
+/// # Errors
+/// Why they cannot be read, in words.
+pub fn of_model(
+    sources: &Sources,
+    root: &Path,
+    overrides: &[String],
+) -> Result<Option<Surroundings>, String> {
+    if !has_parameter(sources, root, NAME) {
         return Ok(None);
     }
-    parameter(sources, &text.root, &text.overrides, NAME).map(Some).map_err(said)
+    parameter(sources, root, overrides, NAME).map(Some).map_err(said)
+}
+
+fn said(problems: Vec<Problem>) -> String {
+    problems.first().map_or_else(|| "they cannot be read".to_owned(), |problem| problem.message.clone())
 }
 
 /// Adds them to a scene.

@@ -3,7 +3,7 @@
 mod beside;
 pub mod diagram;
 mod facts;
-mod meshes;
+pub mod meshes;
 mod model;
 mod movement;
 mod numbers;

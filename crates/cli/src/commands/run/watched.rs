@@ -15,6 +15,7 @@ use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::running::blame::failure;
 use crate::running::live::Live;
+use crate::running::live::mechanism::Mechanism;
 use crate::running::recorder::Shared;
 use crate::running::rescue;
 use crate::running::start::Began;
@@ -36,12 +37,13 @@ pub fn watch(
     let texts = setup.loaded.on_disk.clone();
     let mut tuner = Tuner::new(args, &texts);
     let items = setup.loaded.compiled.panel.clone();
+    let mechanism = Mechanism::of(args, &setup.loaded, &setup.schedule.recorded);
     let began = Began::of(&simulation);
     let schedule = setup.schedule.clone();
     let setup = Mutex::new(Some(setup));
     let planned = Planned::new(&args.change);
     let pace = (speed, args.catch_up.unwrap_or(0.0));
-    let mut live = Live::begin(Shared(&recorder), &schedule, &items, planned, pace, console);
+    let mut live = Live::begin(Shared(&recorder), &schedule, (&items, &mechanism), planned, pace, console);
     for futures in 2.. {
         let keep = |death: &Death| keep_dead(args, &recorder, &setup, began.clone(), death, console);
         let outcome = rescue::during(keep, || tuner.run(&mut simulation, &mut live));

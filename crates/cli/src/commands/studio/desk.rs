@@ -297,6 +297,7 @@ impl Desk for Studio {
             "signals" => Reply::Data(self.now().shown.signals.clone()),
             "runs" => Reply::Data(project::runs().into()),
             "live" => self.runner.so_far(),
+            "space" => self.runner.space(),
             // What a run had, to compare with.
             other => match other.strip_prefix("parameters/") {
                 Some(name) => match project::run(name) {

@@ -11,6 +11,8 @@ use std::time::{Duration, Instant};
 use blocksim_studio::{News, Reply};
 use serde_json::{Value, json};
 
+use crate::commands::report::meshes::{MeshSources, surfaces};
+
 /// Bytes of rows that are kept for a page that is opened while a run goes on.
 const KEPT: usize = 16 << 20;
 /// Longest line of a run, bytes.
@@ -42,6 +44,9 @@ struct Now {
     changes: Vec<(f64, String)>,
     /// Its pictures, and rows for those who come late.
     scopes: Option<String>,
+    /// What is seen of its mechanism; null without. Meshes are read when a page asks for them.
+    scene: Value,
+    space: Option<Arc<str>>,
     rows: VecDeque<String>,
     bytes: usize,
     /// A run has ended since this was asked last.
@@ -59,6 +64,8 @@ impl Runner {
             number: 0,
             changes: Vec::new(),
             scopes: None,
+            scene: Value::Null,
+            space: None,
             rows: VecDeque::new(),
             bytes: 0,
             ended: false,
@@ -91,6 +98,33 @@ impl Runner {
         Reply::Text(
             format!("{{\"at\":{at},\"number\":{number},\"scopes\":{scopes},\"rows\":[{rows}]}}").into(),
         )
+    }
+
+    /// The mechanism of the run with its meshes, for the 3D view.
+    pub fn space(&self) -> Reply {
+        let now = self.now();
+        let (mut scene, number, space) = (now.scene.clone(), now.number, now.space.clone());
+        drop(now);
+        if let Some(space) = space {
+            return Reply::Text(space);
+        }
+        if scene.is_null() {
+            return Reply::Data(json!({ "number": number, "scene": null }));
+        }
+        let mut warnings = Vec::new();
+        // Somebody runs this model here, which reads the same files.
+        let sources = MeshSources { folder: Path::new(""), of_run: 0, reads_others: true };
+        let meshes = surfaces(&mut scene, sources, false, &mut warnings);
+        let (meshes, numbers) = blocksim_report::surfaces(&meshes);
+        let space = json!({
+            "number": number, "scene": scene, "surfaces": meshes, "numbers": numbers, "warnings": warnings,
+        });
+        let space: Arc<str> = space.to_string().into();
+        let mut now = self.now();
+        if now.number == number {
+            now.space = Some(Arc::clone(&space));
+        }
+        Reply::Text(space)
     }
 
     /// Changes the state and tells it.
@@ -151,6 +185,7 @@ impl Runner {
             let _ = now.input.as_mut().map(|input| writeln!(input, "{}", json!({ "do": "pause" })));
         }
         (now.scopes, now.bytes, now.is_over) = (None, 0, false);
+        (now.scene, now.space) = (Value::Null, None);
         now.rows.clear();
         now.changes.clear();
         now.number += 1;
@@ -248,13 +283,15 @@ impl Runner {
     }
 
     fn line(&self, line: &str, told: &mut Told) {
-        let Ok(event) = serde_json::from_str::<Value>(line) else { return };
+        let Ok(mut event) = serde_json::from_str::<Value>(line) else { return };
         match event["type"].as_str() {
             Some("scopes") => {
-                let line = line.trim_end();
+                let scene = event["scene"].take();
+                let line = event.to_string();
                 let mut now = self.now();
-                now.scopes = Some(line.to_owned());
-                self.news.tell("scopes", line);
+                now.scene = scene;
+                self.news.tell("scopes", &line);
+                now.scopes = Some(line);
                 let was_paused = std::mem::take(&mut now.begins_paused);
                 self.change(&mut now, |state| {
                     state["state"] = if was_paused { "paused" } else { "running" }.into();

@@ -7,6 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use blocksim_signal::Unit;
 use serde_json::json;
 
+use super::mechanism::Mechanism;
 use super::panel::Shown;
 use super::scopes::{Scope, panels_json};
 use crate::running::tuning::{Came, written};
@@ -19,11 +20,14 @@ const ROWS: usize = 512;
 /// Rows between two looks at the clock.
 const LOOK: u32 = 4;
 
-/// Rows that wait. Where there are many, stretches of as many rows each have two: the least and the largest value of every signal.
+/// Rows that wait. Where there are many, stretches of as many rows each have two: the least and the largest value of every signal that
+/// is drawn over time, and of positions those of the first and of the last row, since a mechanism is to be seen where it was.
 pub struct Feed {
     console: Console,
     /// For each column the position in a row, and what makes its unit of SI.
     columns: Vec<(usize, Unit)>,
+    /// How many of them are drawn over time; positions stand behind them.
+    curves: usize,
     times: Vec<f64>,
     /// Values, column by column.
     values: Vec<Vec<f32>>,
@@ -38,19 +42,33 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// Tells which scopes there are, and which signals the panel shows; their columns stand behind those of the scopes.
-    pub fn begin(scopes: &[Scope], shown: &[Shown], until: f64, console: Console) -> Feed {
+    /// Tells which scopes there are, which signals the panel shows, and what is seen of the mechanism. Columns of the panel stand behind
+    /// those of the scopes, and those of the mechanism behind both.
+    pub fn begin(
+        scopes: &[Scope],
+        shown: &[Shown],
+        mechanism: &Mechanism,
+        until: f64,
+        console: Console,
+    ) -> Feed {
         let paths: Vec<&str> = shown.iter().map(|shown| shown.path.as_str()).collect();
-        let event = json!({ "v": 1, "type": "scopes", "until": until, "panels": panels_json(scopes), "shown": paths });
+        let event = json!({
+            "v": 1, "type": "scopes", "until": until, "panels": panels_json(scopes), "shown": paths, "joints": mechanism.sources.len(),
+            "scene": mechanism.scene, "unseen": mechanism.unseen,
+        });
         // Whoever does not read on is noticed when the run is told at the end.
         let _ = console.data(&format!("{event}\n"));
         let of_scopes = scopes.iter().flat_map(|scope| scope.sources.iter().cloned());
-        Feed::of(of_scopes.chain(shown.iter().map(|shown| shown.source.clone())).collect(), console)
+        let curves = of_scopes.chain(shown.iter().map(|shown| shown.source.clone()));
+        Feed::of(curves.collect(), mechanism.sources.clone(), console)
     }
 
-    fn of(columns: Vec<(usize, Unit)>, console: Console) -> Feed {
+    fn of(curves: Vec<(usize, Unit)>, positions: Vec<(usize, Unit)>, console: Console) -> Feed {
+        let drawn = curves.len();
+        let columns: Vec<_> = curves.into_iter().chain(positions).collect();
         Feed {
             console,
+            curves: drawn,
             times: Vec::with_capacity(ROWS),
             values: columns.iter().map(|_| Vec::with_capacity(ROWS)).collect(),
             stretch: 0,
@@ -81,8 +99,12 @@ impl Feed {
             self.times.push(t);
             shown.zip(&mut self.values).for_each(|(value, column)| column.push(value));
         } else {
-            for (value, kept) in shown.zip(&mut self.kept) {
-                *kept = if self.begun == 0 { [value; 2] } else { ends(&[kept[0], kept[1], value]) };
+            for (n, (value, kept)) in shown.zip(&mut self.kept).enumerate() {
+                *kept = match self.begun {
+                    0 => [value; 2],
+                    _ if n < self.curves => ends(&[kept[0], kept[1], value]),
+                    _ => [kept[0], value],
+                };
             }
             self.span = if self.begun == 0 { [t; 2] } else { [self.span[0], t] };
             self.begun += 1;
@@ -107,10 +129,11 @@ impl Feed {
     /// Makes stretches twice as long, so that all of them stay alike.
     fn thin(&mut self) {
         self.stretch = if self.stretch == 0 { 4 } else { 2 * self.stretch };
-        for column in &mut self.values {
+        for (at, column) in self.values.iter_mut().enumerate() {
             for n in 0..ROWS / 4 {
-                let [low, high] = ends(&column[4 * n..4 * n + 4]);
-                (column[2 * n], column[2 * n + 1]) = (low, high);
+                let four = &column[4 * n..4 * n + 4];
+                let [first, last] = if at < self.curves { ends(four) } else { [four[0], four[3]] };
+                (column[2 * n], column[2 * n + 1]) = (first, last);
             }
             column.truncate(ROWS / 2);
         }
@@ -208,12 +231,19 @@ mod tests {
             format: crate::args::model::Format::Json,
         };
         for rows in [1, 100, ROWS - 1, ROWS, 3 * ROWS, 100_000] {
-            let mut feed = Feed::of(vec![(0, Unit::parse("1").unwrap())], console);
+            let one = Unit::parse("1").unwrap();
+            let mut feed = Feed::of(vec![(0, one.clone())], vec![(1, one.clone()), (2, one)], console);
             let at = |n: usize| n as f64 / rows as f64;
             for n in 0..rows {
-                feed.take(at(n), &[if n == rows / 3 { 7.0 } else { at(n) }]);
+                // Two positions that turn back and forth within every stretch, but belong together.
+                let swing = (n as f64).sin();
+                feed.take(at(n), &[if n == rows / 3 { 7.0 } else { at(n) }, swing, -swing]);
             }
             feed.close();
+            for ((t, x), y) in feed.times.iter().zip(&feed.values[1]).zip(&feed.values[2]) {
+                let swing = (t * rows as f64).round().sin();
+                assert_eq!((*x, *y), (swing as f32, -swing as f32), "at {t} of {rows} rows");
+            }
             let (times, values) = (&feed.times, &feed.values[0]);
             assert_eq!(times.len(), values.len());
             assert!(

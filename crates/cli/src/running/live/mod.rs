@@ -1,5 +1,5 @@
-//! A run that somebody looks at while it runs: what scopes show goes out as lines of JSON, and lines that come in make it pause, go
-//! on by steps or in time with the clock on the wall, and end.
+//! A run that somebody looks at while it runs: what scopes, the panel and the 3D view show goes out as lines of JSON, and lines that come
+//! in make it pause, go on by steps or in time with the clock on the wall, and end.
 //!
 //! Nothing of this changes a number of the run: rows are told after they were recorded, and time passes between them. Where the run goes
 //! back into its past, it is kept as it was, and another one begins that has the same past.
@@ -7,6 +7,7 @@
 mod control;
 mod feed;
 mod history;
+pub mod mechanism;
 pub mod panel;
 mod scopes;
 
@@ -21,6 +22,7 @@ pub use scopes::scopes;
 use self::control::{Control, Wish};
 use self::feed::Feed;
 use self::history::{Back, History};
+use self::mechanism::Mechanism;
 use crate::running::recorder::Shared;
 use crate::running::tuning::{self, Came, Planned, Tunes, When};
 use crate::terminal::console::Console;
@@ -45,19 +47,19 @@ pub struct Live<'a> {
 }
 
 impl<'a> Live<'a> {
-    /// Tells which scopes and which panel there are, and listens to the standard input from now on. `speed` is that at first,
-    /// times real time; before the time behind it the run does not wait.
+    /// Tells which scopes, which panel and which mechanism there are, and listens to the standard input from now on. `speed` is
+    /// that at first, times real time; before the time behind it the run does not wait.
     pub fn begin(
         recorder: Shared<'a>,
         schedule: &Schedule,
-        items: &[PanelItem],
+        (items, mechanism): (&[PanelItem], &Mechanism),
         planned: Planned,
         (speed, hurry): (f64, f64),
         console: Console,
     ) -> Live<'a> {
         let scopes = scopes(schedule, items);
         let shown = panel::shown(items, schedule);
-        let feed = Feed::begin(&scopes, &shown, schedule.settings.stop_time, console);
+        let feed = Feed::begin(&scopes, &shown, mechanism, schedule.settings.stop_time, console);
         Live {
             recorder,
             feed,

@@ -6,6 +6,7 @@ mod browser;
 mod edit;
 mod film;
 mod joints;
+mod movement;
 mod panel;
 mod sheets;
 mod tabs;
