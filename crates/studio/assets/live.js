@@ -9,6 +9,8 @@
   const READ = 100;
   /** Numbers that a scope has room for at first. */
   const ROOM = 4096;
+  /** Steps of a slider, and how many times as wide as a value is a range may be over which its slider goes. */
+  const STEPS = 200, WIDE = 20;
   /** @type {any} */ let state = null;
   /** @type {any[]} */ let panels = [];
   /** @type {Float64Array[]} Columns with room behind what is known: the times, then the values. */ let columns = [];
@@ -298,28 +300,42 @@
   /** The times of the page are those of the run again, with its last one. */
   const span = () => { if (rows) { R.span = [0, until]; R.setTime(columns[0][rows - 1]); } Movement.show(); };
   /** Parameters that one wants to turn while a run goes on, and what they were set to. @type {Map<string, any>} */ const knobs = new Map();
-  /** A parameter with a slider, from nothing to twice its value, and a field. @param {string} name @param {any} target */
-  const knob = (name, target) => {
-    const [, number, unit] = /^([+-]?[\d.]+(?:e[+-]?\d+)?)\s*(.*)$/i.exec(target.written) ?? [], start = Number(number);
+  /** Between which numbers a slider moves a value: from nothing to twice of it, as far as its kind allows; or over all that is allowed, where that
+   * is not much wider. @param {number} start @param {[number, boolean]|null} low @param {[number, boolean]|null} high Each with whether it is allowed itself. */
+  const reach = (start, low, high) => {
+    const all = low && high && (start === 0 || high[0] - low[0] <= WIDE * Math.abs(start));
+    let [from, to] = all ? [low[0], high[0]] : [Math.min(0, 2 * start), Math.max(0, 2 * start)];
+    if (low) from = Math.max(from, low[0]);
+    if (high) to = Math.min(to, high[0]);
+    const step = (to - from) / STEPS;
+    if (low && !low[1] && from === low[0]) from += step;
+    if (high && !high[1] && to === high[0]) to -= step;
+    return [from, to];
+  };
+  /** A parameter with a slider and a field; a panel of the model says how far the slider goes. @param {string} name @param {any} target @param {any} [own] Its element on the panel. */
+  const knob = (name, target, own) => {
+    const [, number, behind] = /^([+-]?[\d.]+(?:e[+-]?\d+)?)\s*(.*)$/i.exec(target.written) ?? [];
+    const [start, unit] = own ? [own.value, own.unit] : [Number(number), behind];
     const told = R.make('span', { class: 'note', role: 'status' });
     const field = R.make('input', { type: 'text', value: target.written, 'aria-label': name, size: '12', spellcheck: 'false' });
     const set = (/** @type {string} */ value) => { told.textContent = ''; field.value = value; if (running()) control({ do: 'set', set: `${name}=${value}` }); else told.textContent = 'for the next run'; };
     field.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => { if (event.key === 'Enter') set(field.value); });
     const parts = [R.make('bdi', {}, name), field];
-    if (start) {
-      const [low, high] = start > 0 ? [0, 2 * start] : [2 * start, 0];
-      const slider = R.make('input', { type: 'range', min: String(low), max: String(high), step: String((high - low) / 200), value: String(start), 'aria-label': `${name}, slider` });
+    const [least, most] = target.ends ?? [null, null], [low, high] = own ? own.range : reach(start, least, most);
+    if (low < high) {
+      const slider = R.make('input', { type: 'range', min: String(low), max: String(high), step: String((high - low) / STEPS), value: String(start), 'aria-label': `${name}, slider` });
       let wait = 0;
-      slider.addEventListener('input', () => { field.value = `${Number(Number(slider.value).toPrecision(4))} ${unit}`.trim(); clearTimeout(wait); wait = setTimeout(() => set(field.value), 60); });
+      const chosen = () => Math.min(Math.max(Number(Number(slider.value).toPrecision(4)), low), high);
+      slider.addEventListener('input', () => { field.value = `${chosen()} ${unit}`.trim(); clearTimeout(wait); wait = setTimeout(() => set(field.value), 60); });
       parts.push(slider);
     } else if (target.written === 'true' || target.written === 'false') parts.push(Desk.button('switch', () => set(field.value === 'true' ? 'false' : 'true')));
     const away = Desk.button('×', () => { knobs.delete(name); panel(); }, { 'aria-label': `Take ${name} away` });
     return { told, field, row: R.make('div', { class: 'knob' }, ...parts, away, told) };
   };
   const panel = () => place.knobs.replaceChildren(...[...knobs.values()].map((one) => one.row));
-  /** Puts a parameter among those that one wants to turn. @param {string} name @param {any} target */
-  const turn = (name, target) => {
-    if (!knobs.has(name)) knobs.set(name, knob(name, target));
+  /** Puts a parameter among those that one wants to turn. @param {string} name @param {any} target @param {any} [own] Its element on the panel of the model. */
+  const turn = (name, target, own) => {
+    if (!knobs.has(name)) knobs.set(name, knob(name, target, own));
     panel();
     location.hash = '#run';
     Desk.say(`${name} can be turned while a run goes on`);

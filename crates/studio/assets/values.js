@@ -62,7 +62,7 @@
     if (!known.edit) field.setAttribute('data-look', 'true');
     const write = Desk.button('Write', () => change(target.name, field.value, false), { title: `Write it to ${target.place} (Enter)` });
     const run = Desk.button('Run with it', () => change(target.name, field.value, true), { title: 'Run with this value; no file is changed (Shift Enter)' });
-    const turn = Desk.button('Turn', () => Live.turn(target.name, target), { title: 'Turn it while a run goes on' });
+    const turn = Desk.button('Turn', () => Live.turn(target.name, target, panel(target.name)), { title: 'Turn it while a run goes on' });
     const open = () => field.value !== target.written;
     const shown = () => { write.hidden = !open() || !known.edit; run.hidden = !open(); if (open()) typed.set(target.name, field.value); else typed.delete(target.name); };
     field.addEventListener('input', () => { shown(); bar(); });
@@ -79,13 +79,13 @@
       const next = all[all.indexOf(field) + by];
       if (next) { event.preventDefault(); next.focus(); next.select(); }
     });
-    const [low, high] = range(target.name), source = [target.source, target.note, target.tolerance && `± ${target.tolerance}`].filter(Boolean).join('; ');
-    return [R.make('bdi', {}, target.name), R.make('div', {}, field, write, run, ...(/^[+-]?[\d.]|^(true|false)$/.test(target.written) ? [turn] : []), answer), target.worth, target.unit, low === undefined ? '' : `${R.say(low)} … ${R.say(high)}`, source, where, shared, ...(other ? [beside(target)] : [])];
+    const own = panel(target.name), ends = own ? `${own.range.map((/** @type {number} */ x) => R.say(x)).join(' … ')}${own.unit === target.unit ? '' : ` ${own.shown}`}` : allowed(target), source = [target.source, target.note, target.tolerance && `± ${target.tolerance}`].filter(Boolean).join('; ');
+    return [R.make('bdi', {}, target.name), R.make('div', {}, field, write, run, ...(/^[+-]?[\d.]|^(true|false)$/.test(target.written) ? [turn] : []), answer), target.worth, target.unit, ends, source, where, shared, ...(other ? [beside(target)] : [])];
   };
-  /** Least and largest value, in the unit of the panel, where the panel of the model has them. @param {string} name */
-  const range = (name) => {
-    return Project.known()?.panel?.find((/** @type {any} */ one) => one.name === name && /slider|knob/i.test(one.kind))?.range ?? [];
-  };
+  /** The values that the kind of a block allows, in the unit in which this one is written. @param {any} target */
+  const allowed = ({ range, ends: [low, high] }) => range || (low?.[1] && high?.[1] ? `${R.say(low[0])} … ${R.say(high[0])}` : [low && `${low[1] ? '≥' : '>'} ${R.say(low[0])}`, high && `${high[1] ? '≤' : '<'} ${R.say(high[0])}`].filter(Boolean).join(', '));
+  /** The slider or knob of a parameter on the panel of the model, if it has one. @param {string} name */
+  const panel = (name) => Project.known()?.panel?.find((/** @type {any} */ one) => one.name === name && /slider|knob/i.test(one.kind));
   /** Whether the run that is compared with had another value. @param {any} target */
   const differs = (target) => {
     const was = other?.values[target.name];

@@ -8,6 +8,7 @@ mod walk;
 #[cfg(test)]
 mod tests;
 
+use blocksim_block::Requirements;
 use blocksim_block::problem::{Place, Problem};
 use blocksim_signal::Value;
 
@@ -41,6 +42,8 @@ pub struct Target {
     pub sharers: usize,
     /// An item of a list that is a target itself.
     pub is_item: bool,
+    /// What the kind of block requires of it.
+    pub requires: Requirements,
 }
 
 /// Where a value comes from.

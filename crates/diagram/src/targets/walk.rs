@@ -4,7 +4,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
-use blocksim_block::{BlockInfo, ParameterInfo};
+use blocksim_block::{BlockInfo, ParameterInfo, Requirements};
 use blocksim_signal::Value;
 use foldhash::{HashSet, HashSetExt};
 
@@ -126,6 +126,7 @@ impl<'a> Walk<'a> {
                 spelling,
                 sharers,
                 is_item: false,
+                requires: Requirements::NONE,
             });
         }
         for block in &instance.ast.blocks {
@@ -158,6 +159,7 @@ impl<'a> Walk<'a> {
                     spelling,
                     sharers: stand.sharers,
                     is_item: false,
+                    requires: parameter.requires,
                 });
                 continue;
             };
@@ -169,6 +171,9 @@ impl<'a> Walk<'a> {
                 continue;
             }
             self.leaf(stand, name, node, parameter.unit, spelling, false);
+            if let Some(target) = self.found.last_mut() {
+                target.requires = parameter.requires;
+            }
         }
     }
 
@@ -244,6 +249,7 @@ impl<'a> Walk<'a> {
             spelling,
             sharers: stand.sharers,
             is_item,
+            requires: Requirements::NONE,
         });
     }
 

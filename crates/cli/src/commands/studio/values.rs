@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use blocksim_diagram::{Origin, Sources, Target, targets};
+use blocksim_block::{Bound, Requirement};
+use blocksim_diagram::{Origin, Sources, Target, WrittenUnit, targets};
 use blocksim_edit::TextChange;
 use blocksim_recording::{MOST_TEXT, limited_text};
 use blocksim_studio::Reply;
@@ -63,9 +64,50 @@ pub fn list(root: &Path, model: &Path, may_edit: bool) -> Value {
         json!({
             "name": target.name, "written": written, "lines": lines, "worth": worth, "place": place, "sharers": target.sharers,
             "sheet": sheet, "unit": unit, "source": source, "note": note, "tolerance": tolerance, "expression": !is_written,
+            "range": range(target), "ends": ends(target),
         })
     };
     json!({ "edit": may_edit, "targets": all.iter().filter(is_shown).map(data).collect::<Vec<_>>() })
+}
+
+/// Least and largest value that the kind of block allows, each with whether it is allowed itself, in the unit in which this one is
+/// written; null where there is no such end, or where a number is written in another way.
+fn ends(target: &Target) -> Value {
+    let from_si = |si: f64| match &target.written_unit {
+        WrittenUnit::Si => Some(si),
+        // Without the dust of the conversion.
+        WrittenUnit::One(unit) => format!("{:.14e}", unit.from_si(si)).parse().ok(),
+        WrittenUnit::Decibels | WrittenUnit::Unclear => None,
+    };
+    let mut ends = [Value::Null, Value::Null];
+    for requirement in target.requires.list {
+        let (at, end, is_allowed) = match *requirement {
+            Requirement::Above(Bound::Number(end)) => (0, end, false),
+            Requirement::AtLeast(Bound::Number(end)) => (0, end, true),
+            Requirement::Below(Bound::Number(end)) => (1, end, false),
+            Requirement::AtMost(Bound::Number(end)) => (1, end, true),
+            _ => continue,
+        };
+        if let Some(end) = from_si(end).filter(|end: &f64| end.is_finite()) {
+            ends[at] = json!([end, is_allowed]);
+        }
+    }
+    json!(ends)
+}
+
+/// What the kind of block requires, in words with units, where its [`ends`] are not all of it; else empty.
+fn range(target: &Target) -> String {
+    let is_end = |requirement: &Requirement| match requirement {
+        Requirement::Finite => true,
+        Requirement::Above(bound)
+        | Requirement::AtLeast(bound)
+        | Requirement::Below(bound)
+        | Requirement::AtMost(bound) => matches!(bound, Bound::Number(_)),
+        _ => false,
+    };
+    let is_told = matches!(target.written_unit, WrittenUnit::Si | WrittenUnit::One(_))
+        && target.requires.list.iter().all(is_end);
+    if is_told { String::new() } else { target.requires.range(&target.unit) }
 }
 
 /// Without the quotes of a text.

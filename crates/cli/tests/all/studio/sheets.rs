@@ -82,3 +82,31 @@ fn parameters_stand_in_sheets_beside_those_of_a_run() {
     assert_eq!(desk.read("servo.ron"), model);
     assert_eq!(page.complaints.len(), 1, "one refusal: {:?}", page.complaints);
 }
+
+#[test]
+fn ranges_of_kinds_stand_in_the_sheets_and_limit_what_is_turned() {
+    let model = SERVO
+        .replace("\"gain\": Gain", "\"lag\": LowPass(tau: \"20 ms\"), \"pulse\": Pulse(period: \"500 ms\", width: \"30 %\"), \"gain\": Gain")
+        .replace("Integrator()", "Integrator(lower: \"-90 deg\", upper: \"200 deg\")")
+        .replace("demand.y -> error.u1", "pulse.y -> lag.u\", \"demand.y -> error.u1")
+        .replace("blocks: {", "panel: [Slider(\"gain.k\", \"2 .. 8 1/s\")],\n    blocks: {");
+    let desk = Desk::with(&[("servo.ron", &model)]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("location.hash = '#values'");
+    page.until("document.querySelector('#values-view input[aria-label=\"pulse.width\"]')");
+    let ranges = "(() => { const table = document.querySelector('#values-view table'), at = [...table.querySelectorAll('th')].findIndex((head) => head.textContent === 'range'); \
+                  return [...table.querySelectorAll('tbody tr')].map((row) => `${row.cells[0].textContent}: ${row.cells[at].textContent}`).filter((line) => !line.endsWith(': ')).join('; '); })()";
+    assert_eq!(
+        page.value(ranges),
+        "error.signs: not empty; lag.tau: > 0; pulse.period: > 0; pulse.width: 0 … 100; gain.k: 2 … 8; angle.upper: > `lower`; scope.display: a unit"
+    );
+    for name in ["lag.tau", "pulse.width", "gain.k", "demand.after"] {
+        page.value(&format!("[...document.querySelector('#values-view input[aria-label=\"{name}\"]').closest('td').querySelectorAll('button')].find((b) => b.textContent === 'Turn').click()"));
+    }
+    page.until("document.querySelectorAll('.knob input[type=range]').length === 4");
+    let ends = page.value("[...document.querySelectorAll('.knob input[type=range]')].map((one) => `${one.min} ${one.max}`).join('; ')");
+    assert_eq!(ends, "0.2 40; 0 100; 2 8; 0 180", "an end that is not allowed itself is left out");
+    page.value("(() => { const slider = document.querySelectorAll('.knob input[type=range]')[0]; slider.value = 0; slider.dispatchEvent(new Event('input')); })()");
+    page.until("document.querySelector('.knob input[type=text]').value === '0.2 ms'");
+}
