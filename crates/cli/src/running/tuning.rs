@@ -24,6 +24,12 @@ pub trait Tunes: Observer {
     /// The run has stopped at the end of a step, for whatever reason; `set` is what has been set from the start on.
     fn stopped(&mut self, _simulation: &Simulation, _set: &[String]) {}
 
+    /// Whether the run goes from a snapshot to a time of its past. What was set where the snapshot was taken is wanted at once then: the
+    /// stop for it lies behind.
+    fn goes_back(&self) -> bool {
+        false
+    }
+
     /// What is to be set now, if anything is.
     fn wanted(&mut self, t: f64) -> Option<String>;
 
@@ -119,6 +125,9 @@ impl<'a> Tuner<'a> {
     /// # Errors
     /// Those of the run.
     pub fn run(&mut self, simulation: &mut Simulation, observer: &mut dyn Tunes) -> Result<Ended, SimError> {
+        if observer.goes_back() {
+            self.set_wanted(simulation, observer);
+        }
         loop {
             let stop = simulation.schedule().settings.stop_time;
             // A step ends where something is to be set.
@@ -129,18 +138,24 @@ impl<'a> Tuner<'a> {
             if !is_asked && !is_there {
                 return Ok(ended);
             }
-            let t = simulation.time();
             observer.stopped(simulation, &self.set);
-            let mut wanted = false;
-            while let Some(set) = observer.wanted(t) {
-                wanted = true;
-                let came = self.tune(simulation, &set, observer);
-                observer.tuned(t, &set, came);
-            }
-            if !observer.goes_on(wanted) {
+            let has_set = self.set_wanted(simulation, observer);
+            if !observer.goes_on(has_set) {
                 return Ok(ended);
             }
         }
+    }
+
+    /// Sets all that is wanted now; whether there was anything.
+    fn set_wanted(&mut self, simulation: &mut Simulation, observer: &mut dyn Tunes) -> bool {
+        let t = simulation.time();
+        let mut has_set = false;
+        while let Some(set) = observer.wanted(t) {
+            has_set = true;
+            let came = self.tune(simulation, &set, observer);
+            observer.tuned(t, &set, came);
+        }
+        has_set
     }
 
     /// Sets one more parameter.

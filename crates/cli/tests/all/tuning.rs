@@ -1,5 +1,11 @@
 //! `run --change` as users call it.
 
+use std::io::{BufRead, BufReader, Write};
+use std::process::Stdio;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
 use crate::desk::Desk;
 
 const DECAY: &str = r#"Diagram(
@@ -171,4 +177,43 @@ fn check_tries_how_far_a_panel_can_go() {
         );
     }
     assert_eq!(told.matches("warning[panel]").count(), 3, "{told}");
+}
+
+#[test]
+fn a_run_goes_back_behind_what_was_set_where_a_snapshot_was_taken() {
+    let desk = Desk::with(&[("decay.ron", &DECAY.replace("\"2 s\"", "\"100 s\""))]);
+    let mut command = desk.command(&["run", "decay.ron", "--json", "--live", "1", "--out", "run"]);
+    let mut child =
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("a run");
+    let mut to = child.stdin.take().expect("a pipe");
+    let mut tell = |what: Value| writeln!(to, "{what}").expect("it listens");
+    let lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();
+    let mut events = lines.map(|line| serde_json::from_str::<Value>(&line.expect("a line")).expect("JSON"));
+    let mut until = |kind: &str| {
+        let found = events.find(|event| {
+            assert!(event["severity"] != "error", "{event}");
+            event["type"] == kind
+        });
+        found.unwrap_or_else(|| panic!("no {kind}"))
+    };
+    until("rows");
+    tell(json!({ "do": "pause" }));
+    // Somebody thinks for a while: as the next step ends a snapshot is due, and the value is set there.
+    std::thread::sleep(Duration::from_millis(500));
+    tell(json!({ "do": "set", "set": "k.k=-2 1/s" }));
+    let set = until("tuned")["t"].as_f64().expect("a time");
+    tell(json!({ "do": "speed", "speed": 0 }));
+    tell(json!({ "do": "go" }));
+    assert_eq!(until("done")["ended"], "complete");
+    tell(json!({ "do": "back", "t": set + 0.05 }));
+    let back = until("back");
+    assert!(back["refused"].is_null() && back["set"] == json!(["k.k=-2 1/s"]), "{back}");
+    tell(json!({ "do": "go" }));
+    assert_eq!(until("done")["ended"], "complete");
+    drop(to);
+    assert_eq!(child.wait().expect("an end").code(), Some(0));
+    // Nothing else was set: both futures are one.
+    let runs: Vec<String> = desk.names(".").into_iter().filter(|name| name.starts_with("run")).collect();
+    let [one, other] = &runs[..] else { panic!("{runs:?}") };
+    assert!(desk.read(&format!("{one}/signals.csv")) == desk.read(&format!("{other}/signals.csv")));
 }

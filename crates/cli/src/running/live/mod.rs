@@ -177,6 +177,10 @@ impl Tunes for Live<'_> {
         self.history.remember(simulation, set);
     }
 
+    fn goes_back(&self) -> bool {
+        self.until.is_some()
+    }
+
     fn wanted(&mut self, t: f64) -> Option<String> {
         self.tuning = None;
         if self.leaves.is_some() || self.strayed.is_some() {
