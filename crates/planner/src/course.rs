@@ -192,6 +192,11 @@ pub trait Course: std::fmt::Debug + Send + Sync {
         None
     }
 
+    /// When each of several moves begins, s; a single move begins at once.
+    fn begins(&self) -> &[f64] {
+        &[0.0]
+    }
+
     /// Which of several moves began last, after `t` s.
     fn step(&self, _t: f64) -> Option<usize> {
         None

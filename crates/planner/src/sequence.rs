@@ -1,6 +1,7 @@
 //! Moves behind each other, with rounded corners.
 
 use std::fmt;
+use std::sync::Arc;
 
 use blocksim_robot::Robot;
 use nalgebra::Vector3;
@@ -18,7 +19,7 @@ const SHORT: f64 = 0.99;
 #[derive(Debug)]
 pub struct Step {
     /// The move.
-    pub course: Box<dyn Course>,
+    pub course: Arc<dyn Course>,
     /// Radius of the zone around its end in which the next move begins, m; 0 for a stop.
     pub zone: f64,
     /// How long the robot rests at its end, s.
@@ -145,11 +146,6 @@ impl Sequence {
         let duration = t + steps.last().map_or(0.0, |step| step.course.duration() + step.wait);
         Ok(Sequence { steps, begins, starts, duration, corners })
     }
-
-    /// When each move begins, s.
-    pub fn begins(&self) -> &[f64] {
-        &self.begins
-    }
 }
 
 /// For how long the next move may run along with the end of this one, s, and how far from the corner the tool then is at
@@ -219,6 +215,10 @@ impl Course for Sequence {
         seams.sort_by(f64::total_cmp);
         seams.dedup();
         seams
+    }
+
+    fn begins(&self) -> &[f64] {
+        &self.begins
     }
 
     fn step(&self, t: f64) -> Option<usize> {

@@ -13,6 +13,6 @@ pub use joint_move::JointMove;
 pub use joint_path::{JointPath, NextMove, Rule};
 pub use limits::Limits;
 pub use path_error::PathError;
-pub use planned::{planned, refused};
+pub use planned::{Segments, planned, refused, replanned};
 pub use robot_move::RobotMove;
 pub use tool_path::{ORIENTATIONS, PROFILES, Point, ToolPath, Turns};

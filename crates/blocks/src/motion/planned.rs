@@ -27,6 +27,64 @@ pub fn planned(
     robot: Option<&Robot>,
     param: &str,
 ) -> Result<Arc<dyn Course>, ParamError> {
+    replanned(path, limits, rule, robot, param, &mut Segments::default())
+}
+
+/// Moves of one robot that have been planned: those that have not changed are not planned again, and the result is the
+/// same. For whoever plans while somebody types.
+#[derive(Debug, Default)]
+pub struct Segments {
+    /// All that a move follows from beside the robot, and the move; those that were used last are at the end.
+    known: Vec<(String, Arc<dyn Course>)>,
+    row: Vec<Arc<dyn Course>>,
+}
+
+impl Segments {
+    /// How many moves are kept.
+    const KEPT: usize = 64;
+
+    /// The moves of what was planned last, in their order: up to the first one that cannot be planned.
+    pub fn row(&self) -> &[Arc<dyn Course>] {
+        &self.row
+    }
+
+    /// Nothing was planned last.
+    pub fn forget_row(&mut self) {
+        self.row.clear();
+    }
+
+    fn course(
+        &mut self,
+        key: String,
+        plan: impl FnOnce() -> Result<Arc<dyn Course>, ParamError>,
+    ) -> Result<Arc<dyn Course>, ParamError> {
+        let known = self.known.iter().position(|(known, _)| *known == key);
+        let course = match known {
+            Some(n) => self.known.remove(n).1,
+            None => plan()?,
+        };
+        self.row.push(Arc::clone(&course));
+        self.known.push((key, Arc::clone(&course)));
+        if self.known.len() > Self::KEPT {
+            self.known.remove(0);
+        }
+        Ok(course)
+    }
+}
+
+/// Plans as [`planned`] does, but takes moves from those that are known. These must be of the same robot.
+///
+/// # Errors
+/// As [`planned`].
+pub fn replanned(
+    path: &JointPath,
+    limits: &[AxisLimits],
+    rule: Rule,
+    robot: Option<&Robot>,
+    param: &str,
+    segments: &mut Segments,
+) -> Result<Arc<dyn Course>, ParamError> {
+    segments.row.clear();
     check_singular_limit(path, param)?;
     let first = match &path.tool {
         Some(tool) => Segment::Tool(tool),
@@ -39,12 +97,12 @@ pub fn planned(
             .help("leave it out, or give `moves`; a block that starts later has a `delay`"));
     }
     if path.moves.is_empty() {
-        return Ok(Arc::from(segment(&first, &start, limits, rule, robot, param)?));
+        return known_or_planned(&first, &start, limits, rule, robot, param, segments);
     }
     let robot = robot.ok_or_else(|| no_robot(&format!("{param}.moves")))?;
     let mut steps: Vec<Step> = Vec::new();
     steps.push(Step {
-        course: segment(&first, &start, limits, rule, Some(robot), param)?,
+        course: known_or_planned(&first, &start, limits, rule, Some(robot), param, segments)?,
         zone: path.zone,
         wait: path.wait,
     });
@@ -53,22 +111,26 @@ pub fn planned(
         if let Some(last) = steps.last() {
             start = last.course.positions(last.course.duration());
         }
-        let course = segment(&next.segment(), &start, limits, rule, Some(robot), &place)?;
+        let course = known_or_planned(&next.segment(), &start, limits, rule, Some(robot), &place, segments)?;
         steps.push(Step { course, zone: next.zone, wait: next.wait });
     }
     let sequence = Sequence::join(robot, steps).map_err(|error| {
-        let step = match error {
-            SequenceError::Zone { step }
-            | SequenceError::Wait { step, .. }
-            | SequenceError::Gap { step, .. } => step,
-            SequenceError::Empty => 0,
+        let (step, member) = match error {
+            SequenceError::Zone { step } => (step, ".zone"),
+            SequenceError::Wait { step, .. } => (step, ".wait"),
+            SequenceError::Gap { step, .. } => (step, ""),
+            SequenceError::Empty => (0, ""),
         };
-        let place = if step == 0 { param.to_owned() } else { format!("{param}.moves[{}]", step - 1) };
+        let place = match step.checked_sub(1) {
+            None => format!("{param}{member}"),
+            Some(next) => format!("{param}.moves[{next}]{member}"),
+        };
         split(place, &error.to_string())
     })?;
     Ok(Arc::new(sequence))
 }
 
+#[derive(Debug)]
 enum Segment<'a> {
     Tool(&'a ToolPath),
     Joint(&'a [AxisValue], Option<f64>, Option<f64>),
@@ -88,6 +150,20 @@ fn no_robot(param: &str) -> ParamError {
         .help("give the block the robot, as in robot: \"manipulator\"")
 }
 
+fn known_or_planned(
+    what: &Segment,
+    start: &[f64],
+    limits: &[AxisLimits],
+    rule: Rule,
+    robot: Option<&Robot>,
+    param: &str,
+    segments: &mut Segments,
+) -> Result<Arc<dyn Course>, ParamError> {
+    // This text has every digit of every number, and the sign of a zero.
+    let key = format!("{what:?} {start:?} {limits:?} {rule:?}");
+    segments.course(key, || segment(what, start, limits, rule, robot, param))
+}
+
 fn segment(
     what: &Segment,
     start: &[f64],
@@ -95,7 +171,7 @@ fn segment(
     rule: Rule,
     robot: Option<&Robot>,
     param: &str,
-) -> Result<Box<dyn Course>, ParamError> {
+) -> Result<Arc<dyn Course>, ParamError> {
     match what {
         Segment::Tool(tool) => {
             let place = format!("{param}.tool");
@@ -103,7 +179,7 @@ fn segment(
             let request =
                 tool.request(Start::Joints(start.to_vec()), robot.tcp_limits().acceleration, &place)?;
             let planned = CartesianMove::plan(robot, &request).map_err(|error| refused(&error, param))?;
-            Ok(Box::new(planned))
+            Ok(Arc::new(planned))
         }
         Segment::Joint(target, velocity, acceleration) => {
             let missing = |member: &str| {
@@ -125,7 +201,7 @@ fn segment(
                 },
             };
             let planned = JointMove::plan(&request, limits);
-            Ok(Box::new(planned.map_err(|error| split(guilty(&error, param), &error.to_string()))?))
+            Ok(Arc::new(planned.map_err(|error| split(guilty(&error, param), &error.to_string()))?))
         }
     }
 }

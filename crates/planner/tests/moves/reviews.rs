@@ -1,5 +1,7 @@
 //! One list of all that is to be known of a move.
 
+use std::sync::Arc;
+
 use crate::arm::{robot, tool};
 use crate::lines::{BENT, request};
 use blocksim_planner::{
@@ -23,8 +25,8 @@ fn a_corner_that_is_rounded_less_than_asked_is_noted_with_what_is_reached() {
     // where the tool is half a move before its end
     let reached = (tool(&robot, &first.positions(first.duration() - half)).translation - corner).norm();
     let steps = vec![
-        Step { course: Box::new(first), zone: 0.2, wait: 0.0 },
-        Step { course: Box::new(second), zone: 0.0, wait: 0.0 },
+        Step { course: Arc::new(first), zone: 0.2, wait: 0.0 },
+        Step { course: Arc::new(second), zone: 0.0, wait: 0.0 },
     ];
     let joined = Sequence::join(&robot, steps).unwrap();
     let found = review(&robot, &joined, None, &Scrutiny::default(), None);

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use crate::arm::{robot, tool};
 use crate::lines::{BENT, request};
 use blocksim_motion::{JointMove, JointMoveRequest, Synchronisation};
@@ -29,9 +31,9 @@ fn steps(robot: &Robot, zone: f64) -> Vec<Step> {
     arc.target = from + Vector3::new(0.0, 0.0, -0.2);
     let arc = CartesianMove::plan(robot, &arc).unwrap();
     vec![
-        Step { course: Box::new(joint), zone, wait: 0.0 },
-        Step { course: Box::new(line), zone, wait: 0.0 },
-        Step { course: Box::new(arc), zone, wait: 0.0 },
+        Step { course: Arc::new(joint), zone, wait: 0.0 },
+        Step { course: Arc::new(line), zone, wait: 0.0 },
+        Step { course: Arc::new(arc), zone, wait: 0.0 },
     ]
 }
 
