@@ -22,7 +22,7 @@ R.view = ({ camera: C, id, count, films, pause }) => {
   /** @type {any} */ let pose = null;
   /** @type {any} */ let alarm = null;
   /** @type {{shape: any, mesh: any, local: Float64Array}[]} */ let parts = [];
-  /** @type {number[][]} */ let path = [];
+  /** One line for each part of the time. @type {number[][]} */ let path = [];
   /** @type {Record<string, any>} */ const shown = {};
   /** A pose that is shown instead of that at the present time, one number for each position. @type {ArrayLike<number>|null} */ let held = null;
   /** What else is drawn, over everything. @type {((pen: any, here: Float64Array[]) => void)[]} */ const layers = [];
@@ -71,7 +71,10 @@ R.view = ({ camera: C, id, count, films, pause }) => {
     pen.lines(floor, ground, [...rgb('grid'), 1]);
     large.forEach((line, n) => pen.lines(line, one, AXES[n]));
     const here = held ? S.poses(scene, position) : poses(false);
-    if (path.length && shown.path.checked) for (const line of path) pen.lines(line, one, [...rgb('s1'), 1]);
+    if (shown.path.checked) {
+      const t = Math.max(R.now, data.time[0]), now = (data.parts ?? []).reduce((/** @type {number} */ last, /** @type {number} */ begin, /** @type {number} */ n) => begin <= t + 1e-9 ? n : last, 0);
+      path.forEach((line, n) => line.length && pen.lines(line, one, [...rgb(path.length > 1 && n === now ? 's2' : 's1'), 1]));
+    }
     for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(here[shape.body], local), [...(shape.colour?.slice(0, 3) ?? (shape.around ? AROUND : LINKS[Math.min(shape.body, 6)])), 1]);
     if (data.set && shown.ghost.checked) {
       const there = poses(true);
@@ -102,18 +105,21 @@ R.view = ({ camera: C, id, count, films, pause }) => {
     if (left > 0) setTimeout(() => requestAnimationFrame(paint), left); else requestAnimationFrame(paint);
   };
 
-  /** Way of the tool over the whole time, as lines short enough for one buffer each. */
+  /** Way of the tool over the whole time, as lines short enough for one buffer each: one for each part. */
   const trace = () => {
-    const steps = Math.min(600, data.time.length);
-    /** @type {number[]} */ const line = [];
-    let last = null;
-    for (let k = 0; k < steps; k++) {
-      const t = data.time[0] + (data.time[data.time.length - 1] - data.time[0]) * k / Math.max(steps - 1, 1);
-      const at = toolAt(poses(false, t)), here = [at[12], at[13], at[14]];
-      if (last) line.push(...last, ...here);
-      last = here;
-    }
-    path = line.length ? [line] : [];
+    const [first, last] = [data.time[0], data.time[data.time.length - 1]];
+    /** @type {number[]} */ const begins = data.parts?.length ? data.parts : [first];
+    path = begins.map((begin, n) => {
+      const end = begins[n + 1] ?? last, steps = Math.min(600, Math.ceil(data.time.length / begins.length));
+      /** @type {number[]} */ const line = [];
+      /** @type {number[]|null} */ let before = null;
+      for (let k = 0; k < steps; k++) {
+        const at = toolAt(poses(false, begin + (end - begin) * k / Math.max(steps - 1, 1))), here = [at[12], at[13], at[14]];
+        if (before) line.push(...before, ...here);
+        before = here;
+      }
+      return line;
+    });
   };
   /** The path of a movement that has grown; what has left the picture is brought back, unless somebody has chosen what to see. */
   const follow = () => {
@@ -258,9 +264,10 @@ R.view = ({ camera: C, id, count, films, pause }) => {
     window.addEventListener('resize', () => { if (!chosen && canvas.clientWidth > 0) fit(); ask(); });
   };
 
-  /** Another movement of the same mechanism. @param {Float64Array} time @param {Float64Array[]} positions @param {Float64Array[]} set */
-  const renew = (time, positions, set) => {
-    Object.assign(data, { time, positions, set });
+  /** Another movement of the same mechanism. @param {Float64Array} time @param {Float64Array[]} positions @param {Float64Array[]} set
+   * @param {number[]} [parts] When its parts begin; the way of the present one has another colour. */
+  const renew = (time, positions, set, parts) => {
+    Object.assign(data, { time, positions, set, parts });
     trace();
     ask();
   };
