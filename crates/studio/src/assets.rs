@@ -9,7 +9,7 @@ macro_rules! own {
 }
 
 /// Scripts of the studio, in their order behind those of the page of a run.
-pub(crate) const OWN: [Asset; 18] = [
+pub(crate) const OWN: [Asset; 19] = [
     own!("stream.js"),
     own!("desk.js"),
     own!("project.js"),
@@ -19,6 +19,7 @@ pub(crate) const OWN: [Asset; 18] = [
     own!("live.js"),
     own!("values.js"),
     own!("joints.js"),
+    own!("sequence.js"),
     own!("motion.js"),
     own!("edit.js"),
     own!("text.js"),

@@ -2,14 +2,14 @@
 
 mod meeting;
 mod report;
-mod request;
+pub mod request;
 mod space;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use blocksim_block::ParamError;
-use blocksim_blocks::motion::{JointPath, Rule, ToolPath, planned, refused};
+use blocksim_blocks::motion::{JointPath, Rule, Segments, ToolPath, refused, replanned};
 use blocksim_blocks::robotics::RobotDescription;
 use blocksim_diagram::{Reader, Sources, parameter};
 use blocksim_motion::AxisLimits;
@@ -31,16 +31,34 @@ use crate::terminal::console::Console;
 /// Name of a text that no file holds.
 const COMMAND_LINE: &str = "command line";
 
-/// A move that was looked at along its whole way.
-pub struct Considered {
+/// A robot among what surrounds it.
+pub struct Setting {
     /// The robot.
     pub robot: Robot,
+    /// What can collide; nothing where nothing has a shape.
+    space: Option<Space>,
+}
+
+impl Setting {
+    /// The robot that a move is for, and its surroundings.
+    ///
+    /// # Errors
+    /// What of the two cannot be read.
+    pub fn read(common: &PlanCommon, reader: &dyn Reader) -> Result<Setting, Failure> {
+        let (robot, description) = robot_from(common, reader)?;
+        let space = space::read(common, reader, &robot, &description)?;
+        Ok(Setting { robot, space })
+    }
+}
+
+/// A move that was looked at along its whole way.
+pub struct Considered {
+    /// What it is for.
+    pub setting: Arc<Setting>,
     /// The move.
     pub course: Arc<dyn Course>,
     /// How near it comes to limits and to what stands around, and what is to be known of it.
     pub review: Review,
-    /// What can collide; nothing where nothing has a shape.
-    space: Option<Space>,
     /// As the text of a move.
     text: String,
     chosen: Option<Chosen>,
@@ -52,22 +70,34 @@ pub struct Considered {
 /// # Errors
 /// Why there is no such move.
 pub fn consider(command: &PlanCommand) -> Result<Considered, Failure> {
-    let common = command.common();
-    let (robot, description) = robot(common)?;
-    let space = space::read(common, &robot, &description)?;
-    let Asked { text, path, chosen, kept } = ask(command, &robot)?;
-    let course = planned(&path, &robot.limits(), Rule::Feasible, Some(&robot), "move").map_err(|error| {
-        let choice = report::chosen(chosen.as_ref());
+    let setting = Arc::new(Setting::read(command.common(), &Disk::default())?);
+    let asked = ask(command, &setting.robot)?;
+    let choice = report::chosen(asked.chosen.as_ref());
+    examine(setting, asked, &mut Segments::default()).map_err(|error| {
         let failure = told(&error);
         if choice.is_empty() {
             failure
         } else {
             failure.note(choice.trim_end().replacen("starts     ", "starts ", 1))
         }
-    })?;
+    })
+}
+
+/// Plans what was asked and looks at it along its whole way. What stands in `segments` is not planned again.
+///
+/// # Errors
+/// The member at fault, what is wrong, and what helps.
+pub fn examine(
+    setting: Arc<Setting>,
+    asked: Asked,
+    segments: &mut Segments,
+) -> Result<Considered, ParamError> {
+    let Asked { text, path, chosen, kept } = asked;
+    let robot = &setting.robot;
+    let course = replanned(&path, &robot.limits(), Rule::Feasible, Some(robot), "move", segments)?;
     let velocity = path.tool.as_ref().map(|tool| tool.velocity);
-    let review = review(&robot, course.as_ref(), space.as_ref(), &path.scrutiny(), velocity);
-    Ok(Considered { robot, course, review, space, text, chosen, kept })
+    let review = review(robot, course.as_ref(), setting.space.as_ref(), &path.scrutiny(), velocity);
+    Ok(Considered { setting, course, review, text, chosen, kept })
 }
 
 impl Considered {
@@ -78,17 +108,11 @@ impl Considered {
 
     /// For programs; SI units.
     pub fn data(&self) -> Value {
-        let mut data = report::data(&self.robot, self.course.as_ref(), &self.review);
+        let mut data = report::data(&self.setting.robot, self.course.as_ref(), &self.review);
         data["configuration"] = report::choice(self.chosen.as_ref());
-        let met = self.space.as_ref().zip(self.review.met.as_ref());
+        let met = self.setting.space.as_ref().zip(self.review.met.as_ref());
         data["collisions"] = met.map_or(Value::Null, |(space, met)| meeting::data(space, met));
         data
-    }
-
-    /// The first collision in words, and what helps.
-    pub fn collision(&self) -> Option<[String; 2]> {
-        let met = self.review.met.as_ref()?;
-        met.first.as_ref().map(|first| [first.to_string(), first.help().to_owned()])
     }
 
     /// The text of a file with the move.
@@ -104,7 +128,8 @@ impl Considered {
 pub fn plan(command: &PlanCommand, console: Console) -> Outcome {
     let common = command.common();
     let found = consider(command)?;
-    let Considered { robot, course, review, space, chosen, kept, .. } = &found;
+    let Considered { setting, course, review, chosen, kept, .. } = &found;
+    let Setting { robot, space } = setting.as_ref();
     match common.json {
         true => console.data(&format!("{}\n", found.data()))?,
         false => {
@@ -150,8 +175,11 @@ fn other(robot: &Robot, request: &CartesianRequest) -> Option<String> {
 /// # Errors
 /// If the model has none.
 pub fn robot(common: &PlanCommon) -> Result<(Robot, RobotDescription), Failure> {
-    let disk = Disk::default();
-    let read: RobotDescription = read(&disk, &common.robot, &common.set, "manipulator")?;
+    robot_from(common, &Disk::default())
+}
+
+fn robot_from(common: &PlanCommon, reader: &dyn Reader) -> Result<(Robot, RobotDescription), Failure> {
+    let read: RobotDescription = read(reader, &common.robot, &common.set, "manipulator")?;
     let robot = read.robot("manipulator").map_err(|error| told(&error))?;
     Ok((robot, read))
 }
@@ -171,7 +199,7 @@ fn read<T: serde::de::DeserializeOwned>(
 }
 
 /// What was asked.
-struct Asked {
+pub struct Asked {
     /// As the text of a move.
     text: String,
     path: JointPath,
@@ -179,6 +207,22 @@ struct Asked {
     chosen: Option<Chosen>,
     /// What was asked of the tool, where the positions at the start are kept.
     kept: Option<CartesianRequest>,
+}
+
+impl Asked {
+    /// A text as it would stand in the file of a move.
+    ///
+    /// # Errors
+    /// What of it is no move, with its place in the text.
+    pub fn in_words(text: String) -> Result<Asked, Failure> {
+        let path = on_command_line(&text)?;
+        Ok(Asked { text, path, chosen: None, kept: None })
+    }
+
+    /// The move.
+    pub fn path(&self) -> &JointPath {
+        &self.path
+    }
 }
 
 /// What was asked: as text of a move and as the move.
@@ -284,7 +328,7 @@ struct Angles {
 }
 
 /// Reads what was asked as if it stood in a file.
-fn on_command_line<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, Failure> {
+pub fn on_command_line<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, Failure> {
     struct Asked<'t>(&'t str);
     impl Reader for Asked<'_> {
         fn read(&self, path: &Path) -> Result<String, String> {

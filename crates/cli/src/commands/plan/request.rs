@@ -52,7 +52,7 @@ pub fn tool(args: &ToolArgs, via: Option<&str>) -> Result<String, Failure> {
 
 /// A value as it was typed; a bare number gets the unit that the help of its option names. A file keeps the unit, so that
 /// nothing is left to be guessed there, where a bare number is one in SI.
-fn united(value: &str, unit: &str) -> String {
+pub fn united(value: &str, unit: &str) -> String {
     let value = value.trim();
     match value.parse::<f64>() {
         Ok(number) if number.is_finite() => format!("{value} {unit}"),
@@ -86,7 +86,7 @@ pub fn three(option: &str, values: &str, unit: &str) -> Result<String, Failure> 
 }
 
 /// A text of RON.
-fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     format!("{text:?}")
 }
 

@@ -31,6 +31,7 @@ pub struct Studio {
     runner: Runner,
     linear: Questions,
     sweeps: Questions,
+    planner: motion::Planner,
     now: Mutex<Now>,
     changes: Mutex<Changes>,
     /// What compilations have found of the blocks, for those who write.
@@ -70,6 +71,7 @@ impl Studio {
             runner: Runner::new(news.clone()),
             linear: Questions::default(),
             sweeps: Questions::default(),
+            planner: motion::Planner::default(),
             root,
             may_edit,
             news,
@@ -214,7 +216,7 @@ impl Studio {
     /// Keeps a move as a file, and has the model use it if that is wanted.
     fn keep(&self, model: &Path, body: &Value) -> Reply {
         let model = place(&self.root, model);
-        let name = match motion::save(&model, body) {
+        let name = match motion::save(&self.planner, &model, body) {
             Ok(name) => name,
             Err(refused) => return refused,
         };
@@ -321,7 +323,7 @@ impl Desk for Studio {
                 Reply::Data(json!({}))
             }
             "sweep" => self.sweeps.sweep(&place(&self.root, &model), body, &self.news),
-            "plan" => motion::plan(&place(&self.root, &model), body),
+            "plan" => motion::plan(&self.planner, &place(&self.root, &model), body),
             "kept" => motion::kept(&place(&self.root, &model), body["name"].as_str().unwrap_or_default()),
             "kinds" => edits::kinds(body),
             "kind" => edits::kind_of(&self.root, &place(&self.root, &model), body),

@@ -8,6 +8,7 @@ mod film;
 mod joints;
 mod movement;
 mod panel;
+mod sequences;
 mod sheets;
 mod tabs;
 mod tutorial;
