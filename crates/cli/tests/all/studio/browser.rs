@@ -144,11 +144,12 @@ impl Page {
     /// Opens one more tab of the browser, and speaks with it from now on.
     pub fn tab(&mut self) {
         self.session.clear();
-        let target = self.ask(
-            "Target.createTarget",
-            json!({ "url": "about:blank", "browserContextId": self.context, "width": 1300, "height": 900 }),
-        )["targetId"]
-            .clone();
+        let mut new = json!({ "url": "about:blank", "browserContextId": self.context });
+        // Further tabs share the window of the first one.
+        if self.tabs.is_empty() {
+            (new["width"], new["height"]) = (1300.into(), 900.into());
+        }
+        let target = self.ask("Target.createTarget", new)["targetId"].clone();
         let attached = self.ask("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
         self.session = attached["sessionId"].as_str().expect("a session").to_owned();
         self.tabs.push((target.as_str().expect("a target").to_owned(), self.session.clone()));

@@ -75,13 +75,12 @@ pub fn robot_of(model: &Path, scene: &Value) -> Value {
 pub fn robot_in_words(model: &Path) -> Option<Result<String, String>> {
     let disk = Disk::default();
     has_parameter(&Sources::new(&disk), model, "manipulator").then(|| match robot(&common(model)) {
-        Ok((robot, _)) => Ok(plural_axes(robot.limits().len())),
+        Ok((robot, _)) => Ok(match robot.limits().len() {
+            1 => "1 axis".to_owned(),
+            count => format!("{count} axes"),
+        }),
         Err(failure) => Err(failure.message()),
     })
-}
-
-fn plural_axes(count: usize) -> String {
-    if count == 1 { "1 axis".to_owned() } else { format!("{count} axes") }
 }
 
 /// Files with moves beside a model, as the model names them.
