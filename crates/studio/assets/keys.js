@@ -8,11 +8,11 @@
   const KEYS = [
     ['F5', 'run the model'], ['Esc', 'end the run; what it has recorded is kept'], ['Space', 'pause and go on'], ['S', 'paused: to the next row'],
     ['A, C, R, Del, G', 'diagram: add a block, connect, rename, delete, group in a subsystem'], ['X', 'diagram: select one more block (also Shift and a click)'], ['T', 'diagram: the text beside the picture'], ['Ctrl S, F8, Ctrl Space', 'text: save, to the next problem, complete'],
-    ['1 – 8', 'project, diagram, parameters, motion, run, results, sweep, linear analysis'], ['Ctrl Z', 'take the last change of a text back'],
+    ['1 – 9', 'project, diagram, parameters, motion, run, results, sweep, linear analysis, plug-ins'], ['Ctrl Z', 'take the last change of a text back'],
     ['arrows', 'diagram: along the wires, where a block is chosen'], ['Enter, Backspace', 'diagram: into a block, one level up'], ['W', 'diagram: from wire to wire (Shift: back)'],
     ['P', 'to the panel of the model'], ['B', 'back to the instant that one looks at'], ['M', 'keep that instant in the list'], ['V', 'diagram: values on wires'], ['/', 'find a block, a signal, a parameter (also Ctrl K)'], ['D', 'light or dark'], ['?', 'this list'],
   ];
-  const SCREENS = ['project', 'diagram', 'values', 'motion', 'run', 'runs', 'sweep', 'linear'];
+  const SCREENS = ['project', 'diagram', 'values', 'motion', 'run', 'runs', 'sweep', 'linear', 'plugins'];
   let single = true;
 
   const theme = () => {

@@ -20,7 +20,7 @@
 
   const isSeen = () => !place.all.hidden && !place.all.closest('section')?.hidden;
   /** @param {(string|undefined|null)[]} all */
-  const notes = (all) => place.notes.replaceChildren(...all.filter(Boolean).map((text) => R.make('p', { class: 'note' }, text)));
+  const notes = (all) => place.notes.replaceChildren(...all.flatMap((text) => text ? [R.make('p', { class: 'note' }, text)] : []));
   /** There is something to see, or not. */
   const arrange = () => {
     const has = count > 0 || place.notes.childElementCount > 0;

@@ -59,5 +59,5 @@
     show();
     problems();
   };
-  return { renew, known: () => known };
+  return { renew, known: () => known, SIGNS };
 })();

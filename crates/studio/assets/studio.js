@@ -4,7 +4,7 @@
 /* global R */
 
 (() => {
-  const { Desk, Project, Panel, Live, Values, Motion, Runs, Sweep, Linear, Keys } = /** @type {any} */ (R);
+  const { Desk, Project, Panel, Live, Values, Motion, Runs, Sweep, Linear, Plugins, Keys } = /** @type {any} */ (R);
   let drawn = 0;
   /** @type {any} */ let texts = null;
   /** What the scopes of the model show of each wire, level by level. @type {any[]} */ let known = [];
@@ -22,6 +22,7 @@
     if (screen === 'motion') Motion.renew(Project.known()?.version ?? 0);
     if (screen === 'sweep') Sweep.renew(Project.known()?.version ?? 0);
     if (screen === 'linear') Linear.renew(Project.known()?.version ?? 0);
+    if (screen === 'plugins') Plugins.renew();
     if (screen === 'diagram') { Live.span(); diagram(); }
     scrollTo(0, 0);
   };
@@ -75,6 +76,7 @@
       if (screen === 'motion') await Motion.renew(told.version);
       if (screen === 'sweep') await Sweep.renew(told.version);
       if (screen === 'linear') await Linear.renew(told.version);
+      if (screen === 'plugins') await Plugins.renew();
       if (screen === 'runs') await Runs.renew(rest);
       document.documentElement.dataset.ready = 'true';
     } catch (error) {

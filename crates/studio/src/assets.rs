@@ -9,7 +9,7 @@ macro_rules! own {
 }
 
 /// Scripts of the studio, in their order behind those of the page of a run.
-pub(crate) const OWN: [Asset; 19] = [
+pub(crate) const OWN: [Asset; 20] = [
     own!("stream.js"),
     own!("desk.js"),
     own!("project.js"),
@@ -27,6 +27,7 @@ pub(crate) const OWN: [Asset; 19] = [
     own!("charts.js"),
     own!("linear.js"),
     own!("sweep.js"),
+    own!("plugins.js"),
     own!("keys.js"),
     own!("studio.js"),
 ];

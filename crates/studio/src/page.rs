@@ -5,7 +5,7 @@ use blocksim_report::escape;
 use crate::assets::{scripts, styles};
 
 /// Screens: the name in the address, and what it is called.
-const SCREENS: [(&str, &str); 8] = [
+const SCREENS: [(&str, &str); 9] = [
     ("project", "Project"),
     ("diagram", "Diagram"),
     ("values", "Parameters"),
@@ -14,6 +14,7 @@ const SCREENS: [(&str, &str); 8] = [
     ("runs", "Results"),
     ("sweep", "Sweep"),
     ("linear", "Linear analysis"),
+    ("plugins", "Plug-ins"),
 ];
 
 /// The scripts of the page of a run expect data; the studio brings it later.

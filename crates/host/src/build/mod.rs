@@ -23,7 +23,7 @@ use crate::locate::Target;
 
 /// Blocks of one diagram that name one folder share an answer; a diagram that is read again later, say after an edit, asks
 /// again.
-const ANSWER_HOLDS: Duration = Duration::from_secs(2);
+pub const ANSWER_HOLDS: Duration = Duration::from_secs(2);
 /// Lines of a compiler's errors that are shown.
 const SHOWN_LINES: usize = 20;
 

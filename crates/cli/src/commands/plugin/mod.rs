@@ -4,7 +4,8 @@ mod check;
 mod new;
 mod show;
 
-pub(super) use self::new::{made, source};
+pub(super) use self::new::{DEMO, made, make, source};
+pub(super) use self::show::data as controller;
 
 use crate::args::plugin::PluginCommand;
 use crate::exit::Exit;

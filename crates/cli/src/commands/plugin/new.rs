@@ -17,8 +17,10 @@ const NAME: &str = "my_controller";
 const KIND: &str = "MyController";
 const PATH: &str = "PATH_OF_CONTROLLER";
 
-/// A diagram that runs the controller, which names the source of a crate.
-const DEMO: (&str, &str) = ("demo.ron", include_str!("template/demo.ron"));
+/// A diagram that runs the controller.
+pub const DEMO: &str = "demo.ron";
+/// It names the source of a crate.
+const DEMO_TEXT: &str = include_str!("template/demo.ron");
 const CRATE_SOURCE: &str = "src/lib.rs";
 
 /// The file that holds the law.
@@ -37,7 +39,7 @@ fn files(language: Language) -> Vec<(&'static str, &'static str)> {
         Language::C => include_str!("template/controller.c"),
         Language::Cpp => include_str!("template/controller.cpp"),
     };
-    let mut files = vec![(source(language), text), DEMO];
+    let mut files = vec![(source(language), text), (DEMO, DEMO_TEXT)];
     match language {
         Language::Rust => files.push(("Cargo.toml", include_str!("template/manifest.toml"))),
         Language::C | Language::Cpp => files.push((".gitignore", "target/\n")),
@@ -50,20 +52,29 @@ fn files(language: Language) -> Vec<(&'static str, &'static str)> {
 /// # Errors
 /// If it cannot be made.
 pub fn new(args: &PluginNewArgs, console: Console) -> Outcome {
+    let kind = make(args)?;
+    let (folder, demo) = (args.folder.display(), quoted(&args.folder.join(DEMO)));
+    console.data(&format!(
+        "{folder}\n  {:14} the controller `{kind}`: write your law here\n  {:14} a loop with it: \
+         blocksim run {demo}\n",
+        source(args.language),
+        DEMO
+    ))?;
+    Ok(Exit::Done)
+}
+
+/// The same without a word; gives the name of the controller.
+///
+/// # Errors
+/// If it cannot be made.
+pub fn make(args: &PluginNewArgs) -> Result<String, Failure> {
     let (name, kind) = names(args)?;
     made(args, &name, &kind)?;
     // What this program has written is the user's own.
     if let Ok(path) = args.folder.canonicalize() {
         note_trust(&path);
     }
-    let (folder, demo) = (args.folder.display(), quoted(&args.folder.join(DEMO.0)));
-    console.data(&format!(
-        "{folder}\n  {:14} the controller `{kind}`: write your law here\n  {:14} a loop with it: \
-         blocksim run {demo}\n",
-        source(args.language),
-        DEMO.0
-    ))?;
-    Ok(Exit::Done)
+    Ok(kind)
 }
 
 /// Name of the plug-in and of the controller.
@@ -126,7 +137,7 @@ pub fn made(args: &PluginNewArgs, name: &str, kind: &str) -> Result<(), Failure>
         }
         for (file, text) in files(args.language) {
             let text = text.replace(NAME, name).replace(KIND, kind).replace(PATH, &controller);
-            let text = if file == DEMO.0 { text.replace(CRATE_SOURCE, source(args.language)) } else { text };
+            let text = if file == DEMO { text.replace(CRATE_SOURCE, source(args.language)) } else { text };
             // Elsewhere than among the plug-ins of the clone the crate stands alone.
             let alone = if file == "Cargo.toml" && !is_member { "\n[workspace]\n" } else { "" };
             fs::write(partial.join(file), format!("{text}{alone}"))?;

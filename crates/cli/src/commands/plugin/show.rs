@@ -117,7 +117,8 @@ fn call(kind: &Kind, args: &PluginShowArgs) -> String {
     format!("Plugin(library: {:?}, block: {:?}{parameters}{target})", args.library, kind.name)
 }
 
-fn data(library: &Library, kind: &Kind) -> Value {
+/// A controller for programs.
+pub fn data(library: &Library, kind: &Kind) -> Value {
     let list = |quantities: &[Quantity]| -> Vec<Value> {
         let one = |q: &Quantity| {
             let reads: Vec<&str> = q.reads.iter().filter_map(|at| Some(kind.inputs.get(*at)?.name)).collect();

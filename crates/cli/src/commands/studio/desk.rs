@@ -12,7 +12,7 @@ use super::analysis::Questions;
 use super::model::{self, Shown, place};
 use super::runner::Runner;
 use super::values::{Changes, list, refusal};
-use super::{edits, motion, name_of, project, sheets, texts};
+use super::{edits, motion, name_of, plugins, project, sheets, texts};
 use crate::args::values::RUNS;
 use crate::commands::compare::page_of_both;
 use crate::commands::report;
@@ -143,8 +143,13 @@ impl Studio {
             }
         }
         let code = newest(&blocksim_host::folders());
-        let is_newer = std::mem::replace(&mut now.code, code) != code;
         let is_broken = now.shown.of("plugin_", "error").is_some();
+        // Until then a plug-in that does not build is not built again.
+        let is_held = is_broken && now.shown.read.elapsed() <= blocksim_host::ANSWER_HOLDS;
+        let is_newer = code != now.code && !is_held;
+        if is_newer {
+            now.code = code;
+        }
         // A run has built plug-ins, and made them known.
         let built = self.runner.take_ended()
             && (is_broken || now.shown.untrusted.is_some() || now.shown.has_other_plugins());
@@ -158,7 +163,8 @@ impl Studio {
             let version = now.shown.version + 1;
             now.shown = model::read(&self.root, &now.model, version);
             now.seen = times(&self.root, &now.model, &now.shown);
-            now.code = newest(&blocksim_host::folders());
+            // As it was before: what is written meanwhile is seen the next time.
+            now.code = code;
             self.tell(&now);
         } else if is_newer {
             self.tell(&now);
@@ -298,6 +304,7 @@ impl Desk for Studio {
             }
             "signals" => Reply::Data(self.now().shown.signals.clone()),
             "runs" => Reply::Data(project::runs().into()),
+            "plugins" => Reply::Data(plugins::list(&self.now().shown, self.may_edit)),
             "live" => self.runner.so_far(),
             "space" => self.runner.space(),
             // What a run had, to compare with.
@@ -334,15 +341,18 @@ impl Desk for Studio {
             "complete" => {
                 texts::completions(&self.root, &place(&self.root, &model), &self.files(), body, &self.learned)
             }
-            "set" | "undo" | "redo" | "keep" | "fix" | "edit" | "save" if !self.may_edit => Reply::refused(
-                "this page may not change files",
-                "start it with `blocksim studio --edit`; `Run with it` needs no file",
-            ),
+            "set" | "undo" | "redo" | "keep" | "fix" | "edit" | "save" | "plugin" if !self.may_edit => {
+                Reply::refused(
+                    "this page may not change files",
+                    "start it with `blocksim studio --edit`; `Run with it` needs no file",
+                )
+            }
             "set" => {
                 let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
                 changes.set(&place(&self.root, &model), body, self.console)
             }
             "keep" => self.keep(&model, body),
+            "plugin" => plugins::make(&self.root, &place(&self.root, &model), body),
             "fix" => self.fix(body),
             "undo" => self.changes().undo(),
             "redo" => self.changes().redo(),

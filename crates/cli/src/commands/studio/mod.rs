@@ -7,6 +7,7 @@
 //! | `project` | which models there are; what is ready, stale, wrong or missing |
 //! | `model` | a model as the page shows it: drawings, scopes, problems |
 //! | `motion` | moves of its robot: planned, checked, kept |
+//! | `plugins` | what its plug-ins offer and how they are; new ones |
 //! | `runner` | a run, as another process of this program |
 //! | `sheets` | parameters in sheets, and those of a run |
 //! | `values` | parameters, and texts that change and change back |
@@ -20,6 +21,7 @@ mod edits;
 mod joined;
 mod model;
 mod motion;
+mod plugins;
 mod project;
 mod runner;
 mod sheets;

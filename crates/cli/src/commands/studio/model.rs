@@ -1,9 +1,9 @@
 //! A model as the page shows it.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::SystemTime;
+use std::time::{Instant, SystemTime};
 
 use blocksim_block::problem::{Problem, Severity};
 use blocksim_block::schedule::Schedule;
@@ -33,6 +33,8 @@ const PROBLEMS: usize = 100;
 pub struct Shown {
     /// Counts what was read.
     pub version: u64,
+    /// When it was read.
+    pub read: Instant,
     /// Its title, or what its file is called.
     pub title: String,
     /// Blocks, signals and sample times in a line; nothing if it cannot be run.
@@ -51,8 +53,8 @@ pub struct Shown {
     pub drawn: Arc<str>,
     /// Files that it was read from, and when each was written.
     pub files: Vec<(PathBuf, Option<SystemTime>)>,
-    /// Its plug-ins, as it names them.
-    pub plugins: Vec<String>,
+    /// What its plug-ins offer, by their paths.
+    pub offers: BTreeMap<String, String>,
     /// Libraries of plug-ins, and when each was written.
     pub libraries: Vec<(PathBuf, Option<SystemTime>)>,
     /// End of its simulation, s.
@@ -114,6 +116,7 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
     let args = ModelArgs { model: place(root, file), set: Vec::new(), plugins: PluginArgs::default() };
     let mut shown = Shown {
         version,
+        read: Instant::now(),
         title: file.display().to_string(),
         size: None,
         errors: 0,
@@ -123,7 +126,7 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
         fixes: Vec::new(),
         drawn: "null".into(),
         files: Vec::new(),
-        plugins: Vec::new(),
+        offers: BTreeMap::new(),
         libraries: Vec::new(),
         until: 0.0,
         panel: json!([]),
@@ -135,6 +138,7 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
         Err(failure) => (failure.into_problems(), None),
     };
     let (untrusted, problems): (Vec<Problem>, Vec<Problem>) = problems.into_iter().partition(is_about_trust);
+    shown.read = Instant::now();
     shown.untrusted = untrusted.first().map(|problem| problem.message.clone());
     let sources = loaded.as_ref().map(|loaded| loaded.files.clone()).unwrap_or_default();
     let counts = |severity| problems.iter().filter(|problem| problem.severity == severity).count();
@@ -156,7 +160,7 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
         shown.files = on_disk.iter().map(|file| (file.path.clone(), modified(&file.path))).collect();
         let libraries = plugins.iter().map(|used| PathBuf::from(&used.path));
         shown.libraries = libraries.map(|path| (path.clone(), modified(&path))).collect();
-        shown.plugins = offers.keys().cloned().collect();
+        shown.offers.clone_from(offers);
         shown.panel = panel::json(&compiled.panel, compiled.schedule.as_ref());
         if let Some(schedule) = &compiled.schedule {
             shown.size = Some(size(schedule));

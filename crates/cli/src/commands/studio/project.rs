@@ -11,10 +11,10 @@ use serde_json::{Value, json};
 
 use super::model::{Shown, place, written};
 use super::motion;
+use super::plugins::{self, State};
 use crate::args::values::RUNS;
 use crate::disk::text_files;
 use crate::terminal::render::plural;
-use crate::watch::newest;
 
 /// Bytes at the beginning of a file in which it says what it is.
 const BEGINNING: usize = 16_384;
@@ -90,7 +90,9 @@ pub fn rows(root: &Path, file: &Path, shown: &Shown) -> (Vec<Value>, Vec<[String
             ("values", "parameters"),
         ));
     }
-    rows.extend(plugins(shown));
+    rows.extend(plugins::state(shown).map(|State { state, detail, built }| {
+        row("Plug-ins", state, detail, built, ("plugins", "plug-ins"))
+    }));
     rows.extend(robot(&place(root, file), shown));
     let mut next = Vec::new();
     match last_run(file) {
@@ -119,30 +121,6 @@ pub fn rows(root: &Path, file: &Path, shown: &Shown) -> (Vec<Value>, Vec<[String
         next.push(["diagram".to_owned(), "Look at the diagram".to_owned()]);
     }
     (rows, next)
-}
-
-/// Whether the plug-ins of a model are built from what their sources are now.
-fn plugins(shown: &Shown) -> Option<Value> {
-    let run = ("run", "run");
-    if let Some(reason) = &shown.untrusted {
-        let detail = format!("{reason}; to run the model builds and loads it, and trusts it from then on");
-        return Some(row("Plug-ins", "missing", detail, None, run));
-    }
-    if let Some(problem) = shown.of("plugin_", "error") {
-        return Some(row("Plug-ins", "error", problem.to_owned(), None, ("diagram", "diagram")));
-    }
-    let name = |folder: &String| Some(Path::new(folder).file_name()?.to_string_lossy().into_owned());
-    let names: Vec<String> = shown.plugins.iter().filter_map(name).collect();
-    if names.is_empty() {
-        return None;
-    }
-    // Of a library that was loaded before and has been built since the last one counts.
-    let built = shown.libraries.iter().filter_map(|(_, written)| *written).min()?;
-    let (state, detail) = match newest(&blocksim_host::folders()) {
-        Some(source) if source > built => ("stale", "; sources have changed since, the next run builds them"),
-        _ => ("ready", ""),
-    };
-    Some(row("Plug-ins", state, names.join(", ") + detail, Some(built), run))
 }
 
 /// The robot of a model and its move, if it has one.

@@ -140,6 +140,7 @@ fn every_screen_has_names_shows_the_focus_and_fits() {
         ("runs", "document.querySelector('#runs-view tbody tr')"),
         ("sweep", "document.querySelector('#sweep-view input')"),
         ("linear", "document.querySelector('#linear-view input')"),
+        ("plugins", "document.querySelector('#plugins-view input')"),
     ] {
         page.value(&format!("location.hash = '#{screen}'"));
         page.until(ready);

@@ -8,6 +8,7 @@ mod film;
 mod joints;
 mod movement;
 mod panel;
+mod plugins;
 mod sequences;
 mod sheets;
 mod tabs;

@@ -83,9 +83,7 @@ fn the_tutorial_about_the_studio_can_be_followed() {
     reader.screen("1", "project");
     reader.page.until("document.querySelectorAll('#project-view .state.ready').length === 6");
     // Where the tests run is of no interest to readers.
-    reader
-        .page
-        .value("document.querySelector('#project-view .note').textContent = '~/blocksim/diagrams/irb2600'");
+    reader.page.value("setInterval(() => { const note = document.querySelector('#project-view .note'); if (note) note.textContent = '~/blocksim/diagrams/irb2600'; }, 20)");
     reader.look("project");
 
     // A joint move, with a mistake.
