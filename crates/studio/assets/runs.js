@@ -16,7 +16,16 @@
       if (shown === name) return;
       shown = name;
       const page = R.make('iframe', { src: `/runs/${encodeURIComponent(name)}`, title: `Results of ${name.replace('~', ' beside ')}`, class: 'run-page' });
-      view.replaceChildren(R.make('p', {}, R.make('a', { href: '#runs' }, 'All runs'), ' ', R.make('b', {}, name.replace('~', ' beside ')), ' ', R.make('a', { href: `/runs/${encodeURIComponent(name)}`, target: '_blank', rel: 'noreferrer' }, 'in a page of its own')), page);
+      const told = R.make('span', { class: 'note', role: 'status' });
+      // One file, which can be handed on.
+      const write = async () => {
+        try {
+          const { file, bytes } = await Desk.ask('report', { run: name });
+          told.textContent = `${file} is written (${Math.round(bytes / 1000)} kB)`;
+        } catch (error) { Desk.refuse(error); }
+      };
+      view.replaceChildren(R.make('p', { class: 'tools' }, R.make('a', { href: '#runs' }, 'All runs'), R.make('b', {}, name.replace('~', ' beside ')), R.make('a', { href: `/runs/${encodeURIComponent(name)}`, target: '_blank', rel: 'noreferrer' }, 'in a page of its own'),
+        name.includes('~') ? '' : Desk.button('Write report.html', write, { title: 'The page as one file in the folder of the run' }), told), page);
       return;
     }
     shown = '';

@@ -16,9 +16,12 @@ use super::{edits, motion, name_of, plugins, project, sheets, texts};
 use crate::args::values::RUNS;
 use crate::commands::compare::page_of_both;
 use crate::commands::report;
+use crate::disk::write_file;
 use crate::terminal::console::Console;
 use crate::watch::newest;
 
+/// What the page of a run is called in its folder.
+const PAGE: &str = "report.html";
 /// How often it is looked whether there are other models.
 const MODELS: Duration = Duration::from_secs(2);
 
@@ -287,6 +290,18 @@ fn run_folder(name: &str) -> Option<PathBuf> {
     (is_name && folder.is_dir()).then_some(folder)
 }
 
+/// Keeps the page of a run as a file in its folder, which can be handed on; an older one is the same page, so it is replaced.
+fn keep_page(name: &str, console: Console) -> Reply {
+    let Some(folder) = run_folder(name) else { return Reply::Missing };
+    let file = folder.join(PAGE);
+    let written = report::page(&folder, console)
+        .and_then(|page| write_file(&file, page.as_bytes(), true).map(|()| page.len()));
+    match written {
+        Ok(bytes) => Reply::Data(json!({ "file": file.display().to_string(), "bytes": bytes })),
+        Err(failure) => refusal(failure),
+    }
+}
+
 impl Desk for Studio {
     fn look(&self, path: &str) -> Reply {
         match path {
@@ -330,6 +345,7 @@ impl Desk for Studio {
                 Reply::Data(json!({}))
             }
             "sweep" => self.sweeps.sweep(&place(&self.root, &model), body, &self.news),
+            "report" => keep_page(body["run"].as_str().unwrap_or_default(), self.console),
             "plan" => motion::plan(&self.planner, &place(&self.root, &model), body),
             "kept" => motion::kept(&place(&self.root, &model), body["name"].as_str().unwrap_or_default()),
             "kinds" => edits::kinds(body),

@@ -303,6 +303,13 @@ fn a_run_fills_scopes_and_leaves_what_the_command_leaves() {
     page.until("[...document.querySelectorAll('#diagram-view .value')].some((text) => text.textContent === '89.99 °')");
     let runs = desk.names("runs");
     assert_eq!(runs.len(), 1, "{runs:?}");
+    // Its page as a file in its folder; a name that leads elsewhere has none.
+    page.value(&format!("location.hash = '#runs/{}'", runs[0]));
+    page.until("document.querySelector('iframe.run-page')");
+    page.value("[...document.querySelectorAll('#runs-view button')].find((one) => one.textContent === 'Write report.html').click()");
+    page.until("document.querySelector('#runs-view .note').textContent.includes('report.html is written')");
+    assert!(desk.read(&format!("runs/{}/report.html", runs[0])).contains("<title>Servo"));
+    assert_eq!(studio.status("POST", "/api/report", &[], r#"{"run": "../.."}"#), 404);
     let by_command = desk.call(&["run", "servo.ron", "--out", "command", "--quiet"]);
     assert_eq!(by_command.code, Some(0), "{}", by_command.err);
     let recorded = |folder: &str| fs::read(desk.0.join(folder).join("signals.csv")).expect("signals");
