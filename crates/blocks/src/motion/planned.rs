@@ -86,6 +86,8 @@ pub fn replanned(
 ) -> Result<Arc<dyn Course>, ParamError> {
     segments.row.clear();
     check_singular_limit(path, param)?;
+    let joints = (!path.target.is_empty(), path.velocity, path.acceleration);
+    check_one_kind(path.tool.is_some(), joints, param)?;
     let first = match &path.tool {
         Some(tool) => Segment::Tool(tool),
         None => Segment::Joint(&path.target, path.velocity, path.acceleration),
@@ -108,6 +110,8 @@ pub fn replanned(
     });
     for (i, next) in path.moves.iter().enumerate() {
         let place = format!("{param}.moves[{i}]");
+        let joints = (!next.target.is_empty(), next.velocity, next.acceleration);
+        check_one_kind(next.tool.is_some(), joints, &place)?;
         if let Some(last) = steps.last() {
             start = last.course.positions(last.course.duration());
         }
@@ -141,6 +145,26 @@ impl NextMove {
         match &self.tool {
             Some(tool) => Segment::Tool(tool),
             None => Segment::Joint(&self.target, self.velocity, self.acceleration),
+        }
+    }
+}
+
+/// A move is one of the joints or one of the tool: of both, one would have no effect.
+fn check_one_kind(
+    has_tool: bool,
+    (has_target, velocity, acceleration): (bool, Option<f64>, Option<f64>),
+    param: &str,
+) -> Result<(), ParamError> {
+    let given =
+        [("target", has_target), ("velocity", velocity.is_some()), ("acceleration", acceleration.is_some())];
+    match given.into_iter().find(|(_, is_given)| *is_given && has_tool) {
+        None => Ok(()),
+        Some((member, _)) => {
+            let message = format!("`{member}` is of a move of the joints, and this is one of the tool");
+            let help = format!(
+                "leave out `tool` or `{member}`; the tool's own members stand in `tool: (target: .., velocity: ..)`"
+            );
+            Err(ParamError::new(format!("{param}.{member}"), message).help(help))
         }
     }
 }

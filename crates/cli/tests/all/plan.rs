@@ -344,3 +344,27 @@ fn programs_get_json() {
     assert!((data["duration"].as_f64().unwrap() - 1.2244897959).abs() < 1e-9);
     assert_eq!(data["axes"].as_array().unwrap().len(), 6);
 }
+
+#[test]
+fn a_move_that_is_of_the_joints_and_of_the_tool_is_refused() {
+    let both = |first: &str, next: &str| {
+        let file = Fresh::named("both.ron");
+        let home = "start: [0, 0, 0, 0, 0, 0]";
+        let tool = "tool: (target: [\"1300 mm\", \"0 mm\", \"1300 mm\"], velocity: \"0.2 m/s\", acceleration: \"20 %\")";
+        let text = format!("JointMove({home}, {tool}, {first} moves: [({tool}, {next})])");
+        std::fs::write(file.path(), text).unwrap();
+        let (code, _, err) = plan(&["sequence", file.path()]);
+        (code, err)
+    };
+    for (first, next, place) in [
+        ("target: [1, 0, 0, 0, 0, 0],", "", "`target` is of a move of the joints"),
+        ("velocity: \"40 %\",", "", "`velocity` is of a move of the joints"),
+        ("", "acceleration: \"30 %\"", "move.moves[0].acceleration"),
+    ] {
+        let (code, err) = both(first, next);
+        assert!(
+            code != 0 && err.contains(place) && err.contains("leave out `tool`"),
+            "{place}: {code}\n{err}"
+        );
+    }
+}
