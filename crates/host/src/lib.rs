@@ -47,7 +47,7 @@ mod table;
 mod wasm;
 mod watch;
 
-pub use build::{ANSWER_HOLDS, folders, set_build_notice};
+pub use build::{ANSWER_HOLDS, built, folders, set_build_notice};
 pub use examine::{Examined, Finding, Verdict, examine};
 pub use isolate::{serve, set_isolation, was_interrupted};
 pub use kind::{Kind, Quantity};

@@ -51,6 +51,18 @@ pub fn folders() -> Vec<PathBuf> {
     SLOTS.lock().unwrap_or_else(PoisonError::into_inner).keys().map(|(folder, _)| folder.clone()).collect()
 }
 
+/// Folders of sources that this process has built last without an error, with what was built of each.
+pub fn built() -> Vec<(PathBuf, PathBuf)> {
+    let slots = SLOTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let one = |((folder, _), slot): (&(PathBuf, Target), &Slot)| {
+        // One that is being built is not known yet.
+        let last = slot.try_lock().ok()?;
+        let (_, answer) = last.as_ref()?;
+        Some((folder.clone(), answer.clone().ok()?))
+    };
+    slots.iter().filter_map(one).collect()
+}
+
 /// The library of the crate in `folder`, or the module if that is the target, up to date. `named` is how the diagram calls it.
 ///
 /// # Errors

@@ -34,7 +34,7 @@ use crate::terminal::browser;
 use crate::terminal::console::Console;
 
 /// Name of the file in the folder of its run.
-const NAME: &str = "report.html";
+pub const NAME: &str = "report.html";
 /// Values of all measurements that a page takes.
 const MOST_MEASURED: usize = 2_000_000;
 

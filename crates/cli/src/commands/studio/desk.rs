@@ -20,8 +20,6 @@ use crate::disk::write_file;
 use crate::terminal::console::Console;
 use crate::watch::newest;
 
-/// What the page of a run is called in its folder.
-const PAGE: &str = "report.html";
 /// How often it is looked whether there are other models.
 const MODELS: Duration = Duration::from_secs(2);
 
@@ -290,10 +288,10 @@ fn run_folder(name: &str) -> Option<PathBuf> {
     (is_name && folder.is_dir()).then_some(folder)
 }
 
-/// Keeps the page of a run as a file in its folder, which can be handed on; an older one is the same page, so it is replaced.
+/// Keeps the page of a run as a file in its folder. It is made of nothing but the run, so a new one replaces no work.
 fn keep_page(name: &str, console: Console) -> Reply {
     let Some(folder) = run_folder(name) else { return Reply::Missing };
-    let file = folder.join(PAGE);
+    let file = folder.join(report::NAME);
     let written = report::page(&folder, console)
         .and_then(|page| write_file(&file, page.as_bytes(), true).map(|()| page.len()));
     match written {

@@ -38,17 +38,34 @@ pub fn state(shown: &Shown) -> Option<State> {
     if names.is_empty() {
         return None;
     }
-    let built = shown.libraries.iter().filter_map(|(_, written)| *written).min()?;
-    let (state, more) = match newest(&blocksim_host::folders()) {
-        Some(source) if source > built => ("stale", "; sources have changed since, the next run builds them"),
-        _ => ("ready", ""),
+    let modified = |path: &Path| path.metadata().and_then(|data| data.modified()).ok();
+    let all = blocksim_host::built();
+    let library = |path: &str| {
+        let folder = Path::new(path).canonicalize().ok()?;
+        all.iter()
+            .find(|(known, _)| known.canonicalize().is_ok_and(|known| known == folder))
+            .map(|(_, library)| library)
     };
-    Some(State { state, detail: names.join(", ") + more, built: Some(built) })
+    // Each one has its own age: another one that was built long ago is not out of date.
+    let built: Vec<(&str, SystemTime)> =
+        shown.offers.keys().filter_map(|path| Some((path.as_str(), modified(library(path)?)?))).collect();
+    let is_stale = |(path, time): &&(&str, SystemTime)| {
+        newest(&[PathBuf::from(path)]).is_some_and(|source| source > *time)
+    };
+    let stale: Vec<&str> = built.iter().filter(is_stale).map(|(path, _)| *path).collect();
+    let (state, more) = match stale.as_slice() {
+        [] => ("ready", String::new()),
+        changed => {
+            ("stale", format!("; sources have changed in {}, the next run builds them", changed.join(", ")))
+        }
+    };
+    let built = built.iter().map(|(_, time)| *time).min();
+    Some(State { state, detail: names.join(", ") + &more, built })
 }
 
-/// The last part of a path.
+/// The last part of a path that is a name.
 fn name(path: &str) -> &str {
-    path.trim_end_matches('/').rsplit('/').next().unwrap_or(path)
+    Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path)
 }
 
 /// All plug-ins of a model with their controllers; what keeps them from being known.
@@ -123,6 +140,6 @@ mod tests {
         assert_eq!(of("diagrams/irb2600", "plugins/pid"), "../../plugins/pid");
         assert_eq!(of("", "plugins/pid"), "plugins/pid");
         assert_eq!(of("lab", "lab/plugins/pid"), "plugins/pid");
-        assert_eq!(["plugins/pid", "a.so", "x/y/"].map(name), ["pid", "a.so", "y"]);
+        assert_eq!(["plugins/pid", "a.so", "x/y/", "x/y/."].map(name), ["pid", "a.so", "y", "y"]);
     }
 }

@@ -31,7 +31,7 @@ fn a_link_is_dragged_about_its_joint_until_its_range_ends() {
     let studio = Studio::of(&desk, &["scara.ron"]);
     let Some(mut page) = planner(&studio) else { return };
     page.value("[...document.querySelectorAll('.space-bar button')].find((one) => one.textContent === 'above').click()");
-    // What is no number stays where it was typed.
+    // Text that is not a number stays in its field.
     page.value("document.querySelector('input[aria-label=\"A4 target\"]').focus()");
     page.replace("abc");
     // Where the link is seen at -10 degrees and at -30, where it was.

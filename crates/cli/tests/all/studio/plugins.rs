@@ -17,7 +17,7 @@ fn a_plug_in_is_made_built_out_of_date_broken_and_corrected() {
     let field = "document.querySelector('#plugins-view input').focus()";
     let told = "document.querySelector('.new-plugin [role=status]').textContent";
     page.value("document.querySelector('#plugins-view select').value = 'c'");
-    // A name that leads elsewhere, one that is no name, one that is.
+    // A path, a name that is not allowed, a valid name, and one that is taken.
     for (name, answer) in [
         ("../away", "the name of a plug-in is a word"),
         ("My Law", "is not a valid name"),
@@ -71,6 +71,49 @@ fn a_plug_in_is_made_built_out_of_date_broken_and_corrected() {
     page.until(&format!("{state}?.includes('ready')"));
     let refusals = page.complaints.iter().filter(|told| !told.contains("409")).count();
     assert_eq!(refusals, 0, "{:?}", page.complaints);
+}
+
+#[test]
+fn a_plug_in_that_was_built_long_before_another_one_is_not_out_of_date() {
+    let desk = Desk::with(&[(
+        "both.ron",
+        r#"Diagram(
+    simulation: (stop_time: "0.1 s"),
+    blocks: {
+        "step": Step(time: "10 ms", after: 1.0),
+        "one": Plugin(library: "plugins/one", block: "One"),
+        "two": Plugin(library: "plugins/two", block: "Two"),
+        "scope": Scope(inputs: ["one", "two"]),
+    },
+    connections: ["step.y -> one.e, two.e", "one.u -> scope.one", "two.u -> scope.two"],
+)"#,
+    )]);
+    for folder in ["plugins/one", "plugins/two"] {
+        let made = desk.call(&["plugin", "new", folder, "--language", "c"]);
+        assert_eq!(made.code, Some(0), "{}", made.err);
+    }
+    let studio = Studio::of(&desk, &["both.ron"]);
+    let until = |state: &str| {
+        let wanted = format!("\"state\":\"{state}\"");
+        let mut answer = String::new();
+        for _ in 0..400 {
+            answer = studio.asked("GET", "/api/plugins", &[], "");
+            if answer.contains(&wanted) {
+                return answer;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        panic!("never {state}: {answer}")
+    };
+    let run = || assert_eq!(studio.status("POST", "/api/run", &[], "{}"), 200);
+    run();
+    until("ready");
+    let source = desk.0.join("plugins/one/controller.c");
+    fs::write(&source, fs::read_to_string(&source).expect("the law") + "/* later */\n").expect("a file");
+    let stale = until("stale");
+    assert!(stale.contains("changed in plugins/one,") && !stale.contains("plugins/two,"), "{stale}");
+    run();
+    until("ready");
 }
 
 #[test]
