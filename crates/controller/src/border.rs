@@ -14,6 +14,7 @@ use crate::values::Values;
 /// # Safety
 ///
 /// `message` is NULL or a message of the host.
+#[inline]
 unsafe fn guarded(message: *const Message, body: impl FnOnce() -> Outcome) -> Status {
     #[cfg(target_family = "wasm")]
     crate::panics::tell(message);
@@ -43,6 +44,7 @@ pub(crate) fn panic_text(payload: &(dyn Any + Send)) -> &str {
 /// # Safety
 ///
 /// `at` is NULL or points to `length` numbers that nobody writes during `'a`.
+#[inline]
 unsafe fn numbers_at<'a>(at: *const f64, length: usize, what: &str) -> Result<&'a [f64], String> {
     match length {
         0 => Ok(&[]),
@@ -55,6 +57,7 @@ unsafe fn numbers_at<'a>(at: *const f64, length: usize, what: &str) -> Result<&'
 /// # Safety
 ///
 /// `at` is NULL or points to `length` numbers that nobody else uses during `'a`.
+#[inline]
 unsafe fn numbers_at_mut<'a>(at: *mut f64, length: usize, what: &str) -> Result<&'a mut [f64], String> {
     match length {
         0 => Ok(&mut []),
@@ -67,6 +70,7 @@ unsafe fn numbers_at_mut<'a>(at: *mut f64, length: usize, what: &str) -> Result<
 /// # Safety
 ///
 /// The pointers are those of a host that keeps the contract of the table of `T`.
+#[inline]
 unsafe fn context<'a, T: Controller>(
     params: *const f64,
     t: f64,

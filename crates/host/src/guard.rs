@@ -1,7 +1,7 @@
 //! A call with private buffers: the numbers of the engine are copied in and out, so that a plug-in which writes where it must
 //! not is found out by words around its buffers, and does no harm to anybody else as long as it stays near them.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use blocksim_abi::{Message, OK, Status, message};
 
@@ -92,37 +92,41 @@ thread_local! {
 
 /// Buffers of earlier calls, where each call is to have others.
 const RETIRED: usize = 16;
-thread_local!(static MOVING: RefCell<Option<Vec<Vec<u64>>>> = const { RefCell::new(None) });
+thread_local! {
+    static IS_MOVING: Cell<bool> = const { Cell::new(false) };
+    static RETIRED_BUFFERS: RefCell<Vec<Vec<u64>>> = const { RefCell::new(Vec::new()) };
+}
 
 /// From now on each call of this thread has buffers at other places, and those of earlier ones hold no numbers: whoever has kept
 /// a pointer is found.
 pub fn move_buffers() {
-    MOVING.set(Some(Vec::new()));
+    IS_MOVING.set(true);
+    RETIRED_BUFFERS.take();
 }
 
 /// Whether each call of this thread has buffers at other places.
 #[cfg(feature = "wasm")]
 pub fn is_moving() -> bool {
-    MOVING.with_borrow(Option::is_some)
+    IS_MOVING.get()
 }
 
 /// Puts the buffers of the last call aside.
+#[cold]
 fn retire(words: &mut Vec<u64>) {
-    MOVING.with_borrow_mut(|moving| {
-        if let Some(retired) = moving {
-            let mut old = std::mem::take(words);
-            old.fill(PATTERN);
-            retired.push(old);
-            if retired.len() > RETIRED {
-                retired.remove(0);
-            }
+    RETIRED_BUFFERS.with_borrow_mut(|retired| {
+        let mut old = std::mem::take(words);
+        old.fill(PATTERN);
+        retired.push(old);
+        if retired.len() > RETIRED {
+            retired.remove(0);
         }
     });
 }
 
 /// Whether a buffer of an earlier call was written.
+#[cold]
 fn is_old_written() -> bool {
-    MOVING.with_borrow(|moving| moving.iter().flatten().any(|old| old.iter().any(|&word| word != PATTERN)))
+    RETIRED_BUFFERS.with_borrow(|retired| retired.iter().any(|old| old.iter().any(|&word| word != PATTERN)))
 }
 
 /// Words that a call with so many buffers and numbers needs.
@@ -182,22 +186,27 @@ pub fn framed(
         let numbers =
             numbers.sum::<usize>() + wanted.iter().map(|wanted| wanted.numbers.len()).sum::<usize>();
         let needed = needed(given.len() + wanted.len(), numbers);
-        retire(words);
+        let is_moving = IS_MOVING.get();
+        if is_moving {
+            retire(words);
+        }
         if words.len() < needed {
             words.resize(needed, 0);
         }
         let words = &mut words[..needed];
         text[0] = 0;
-        text[MESSAGE_BYTES..].fill(TAIL_BYTE);
+        text[MESSAGE_BYTES..].copy_from_slice(&[TAIL_BYTE; TAIL]);
         let (places_given, places_wanted) = lay_out(words, given, wanted);
         let mut frame = Frame { words, text, given: places_given, wanted: places_wanted };
         let status = function(&mut frame)?;
-        let broken = broken(words, given, wanted).or_else(|| {
+        let is_whole = is_whole(words, given, wanted);
+        let broken = if is_whole { None } else { broken(words, given, wanted) }.or_else(|| {
             let is_whole = text[MESSAGE_BYTES..] == [TAIL_BYTE; TAIL];
             (!is_whole).then(|| format!("it wrote behind the {MESSAGE_BYTES} bytes of its message"))
         });
-        let broken =
-            broken.or_else(|| is_old_written().then(|| "it wrote to a buffer of an earlier call".to_owned()));
+        let broken = broken.or_else(|| {
+            (is_moving && is_old_written()).then(|| "it wrote to a buffer of an earlier call".to_owned())
+        });
         if let Some(broken) = broken {
             return Err(broken_rule(&broken));
         }
@@ -220,39 +229,68 @@ fn lay_out(
     wanted: &[Wanted],
 ) -> ([Option<usize>; 4], [Option<usize>; 2]) {
     let mut places = ([None; 4], [None; 2]);
-    words[..GUARD].fill(PATTERN);
-    let mut at = GUARD;
+    let (mut at, mut rest) = (GUARD, lay_guard(words));
     for (place, given) in places.0.iter_mut().zip(given) {
-        let end = at + given.numbers.len();
-        words[at..end].iter_mut().zip(given.numbers).for_each(|(word, number)| *word = number.to_bits());
-        words[end..end + GUARD].fill(PATTERN);
+        let (own, behind) = rest.split_at_mut(given.numbers.len());
+        own.iter_mut().zip(given.numbers).for_each(|(word, number)| *word = number.to_bits());
         *place = Some(at);
-        at = end + GUARD;
+        at += own.len() + GUARD;
+        rest = lay_guard(behind);
     }
     for (place, wanted) in places.1.iter_mut().zip(wanted) {
-        let end = at + wanted.numbers.len();
+        let (own, behind) = rest.split_at_mut(wanted.numbers.len());
         if wanted.is_kept {
-            words[at..end]
-                .iter_mut()
-                .zip(&*wanted.numbers)
-                .for_each(|(word, number)| *word = number.to_bits());
+            own.iter_mut().zip(&*wanted.numbers).for_each(|(word, number)| *word = number.to_bits());
         } else {
-            words[at..end].fill(UNWRITTEN);
+            own.fill(UNWRITTEN);
         }
-        words[end..end + GUARD].fill(PATTERN);
         *place = Some(at);
-        at = end + GUARD;
+        at += own.len() + GUARD;
+        rest = lay_guard(behind);
     }
     places
 }
 
-/// Whether any word has a bit: all are looked at without a branch, several at once.
-#[inline]
-fn differ(words: impl Iterator<Item = u64>) -> bool {
-    words.fold(0, |all, word| all | word) != 0
+/// Fills the guard that these words begin with; gives those behind it. Its length is a constant, which makes it eight stores.
+#[inline(always)]
+fn lay_guard(words: &mut [u64]) -> &mut [u64] {
+    let (guard, rest) = words.split_at_mut(GUARD);
+    guard.copy_from_slice(&[PATTERN; GUARD]);
+    rest
 }
 
-/// What was written that must not be.
+/// Bits that differ from a guard.
+#[derive(Clone, Copy)]
+struct Odd([u64; GUARD]);
+
+impl Odd {
+    /// Takes the guard that these words begin with; gives those behind it. All words are looked at without a branch, several at once.
+    #[inline(always)]
+    fn guard<'a>(&mut self, words: &'a [u64]) -> &'a [u64] {
+        let (guard, rest) = words.split_at(GUARD);
+        self.0.iter_mut().zip(guard).for_each(|(odd, word)| *odd |= word ^ PATTERN);
+        rest
+    }
+}
+
+/// Whether all guards are whole, and so is what is given.
+#[inline]
+fn is_whole(words: &[u64], given: &[Given], wanted: &[Wanted]) -> bool {
+    let (mut odd, mut same) = (Odd([0; GUARD]), true);
+    let mut rest = odd.guard(words);
+    for Given { numbers, .. } in given {
+        let (copies, behind) = rest.split_at(numbers.len());
+        same = same && copies.iter().zip(*numbers).all(|(word, number)| *word == number.to_bits());
+        rest = odd.guard(behind);
+    }
+    for wanted in wanted {
+        rest = odd.guard(&rest[wanted.numbers.len()..]);
+    }
+    same && odd.0.iter().fold(0, |all, word| all | word) == 0
+}
+
+/// What was written that must not be, where something was.
+#[cold]
 fn broken(words: &[u64], given: &[Given], wanted: &[Wanted]) -> Option<String> {
     let of_given = given.iter().map(|given| (given.what, given.numbers.len()));
     let of_wanted = wanted.iter().map(|wanted| (wanted.what, wanted.numbers.len()));
@@ -262,7 +300,7 @@ fn broken(words: &[u64], given: &[Given], wanted: &[Wanted]) -> Option<String> {
     loop {
         let guard = &words[at..at + GUARD];
         let next = buffers.next();
-        if differ(guard.iter().map(|word| word ^ PATTERN)) {
+        if guard.iter().any(|word| *word != PATTERN) {
             let behind = last.filter(|_| guard[0] != PATTERN || guard[GUARD - 1] == PATTERN);
             return Some(match (behind, next, last) {
                 (Some((what, n)), _, _) | (None, None, Some((what, n))) => {
@@ -281,10 +319,8 @@ fn broken(words: &[u64], given: &[Given], wanted: &[Wanted]) -> Option<String> {
     let mut at = GUARD;
     for Given { what, list, numbers } in given {
         let copies = &words[at..at + numbers.len()];
-        let changes = || copies.iter().zip(*numbers).map(|(word, number)| word ^ number.to_bits());
-        if differ(changes())
-            && let Some(changed) = changes().position(|change| change != 0)
-        {
+        let mut pairs = copies.iter().zip(*numbers);
+        if let Some(changed) = pairs.position(|(word, number)| *word != number.to_bits()) {
             return Some(format!("it changed its {what} {}, which it may only read", named(list, changed)));
         }
         at += numbers.len() + GUARD;
@@ -349,6 +385,34 @@ mod tests {
             function(places.given[1].cast_mut(), places.wanted[0], message)
         });
         (answer.map_or_else(|failure| failure.to_string(), |()| "fine".to_owned()), results)
+    }
+
+    #[test]
+    fn every_word_that_is_changed_is_seen_and_has_its_sentence() {
+        let list = [quantity("a", 3)];
+        let numbers = [1.0, -2.0, f64::NAN];
+        let given = [(0, "parameter"), (3, "input")].map(|(n, what)| Given {
+            what,
+            list: &list,
+            numbers: &numbers[..n],
+        });
+        let (mut kept, mut new) = ([4.0, 5.0], [0.0]);
+        let wanted = [
+            Wanted { what: "state", list: &list, numbers: &mut kept, is_kept: true },
+            Wanted { what: "output", list: &list, numbers: &mut new, is_kept: false },
+        ];
+        let mut words = vec![0; needed(4, 6)];
+        let places = lay_out(&mut words, &given, &wanted);
+        assert_eq!(places.0[..2], [Some(16), Some(32)]);
+        assert_eq!(places.1, [Some(51), Some(69)]);
+        assert!(is_whole(&words, &given, &wanted) && broken(&words, &given, &wanted).is_none());
+        for at in 0..words.len() {
+            let before = std::mem::replace(&mut words[at], 0x55);
+            let is_wanted = (51..53).contains(&at) || at == 69;
+            assert_eq!(is_whole(&words, &given, &wanted), is_wanted, "word {at}");
+            assert_eq!(broken(&words, &given, &wanted).is_none(), is_wanted, "word {at}");
+            words[at] = before;
+        }
     }
 
     #[test]
