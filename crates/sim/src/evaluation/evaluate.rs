@@ -90,6 +90,10 @@ impl Now {
         let u = match unit.source {
             Source::Below(from) => &signals[from as usize..][..width],
             Source::Above(from) => &signals[(unit.y.end + from) as usize..][..width],
+            Source::Single => {
+                self.pick(unit.copies, signals);
+                &self.u[..width]
+            }
             Source::Scattered => {
                 self.gather(unit.copies, signals);
                 &self.u[..width]
@@ -105,6 +109,14 @@ impl Now {
             evaluation: self.evaluation,
             seed: self.seed,
             fault: &self.fault,
+        }
+    }
+
+    /// Brings the inputs of a block together, all of which are apart.
+    #[inline(always)]
+    fn pick(&mut self, copies: Span, signals: &[f64]) {
+        for (u, &(from, _)) in self.u.iter_mut().zip(&self.copies[copies.range()]) {
+            *u = signals[from as usize];
         }
     }
 
@@ -491,6 +503,10 @@ pub(crate) fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64]
         Source::Above(from) => {
             let (before, rest) = signals.split_at_mut(unit.y.end as usize);
             (&rest[from as usize..][..unit.width as usize], &mut before[unit.y.start as usize..])
+        }
+        Source::Single => {
+            now.pick(unit.copies, signals);
+            (&now.u[..unit.width as usize], &mut signals[unit.y.range()])
         }
         Source::Scattered => {
             now.gather(unit.copies, signals);

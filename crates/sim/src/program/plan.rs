@@ -61,7 +61,9 @@ pub(crate) enum Source {
     Below(u32),
     /// They lie one behind the other, this many cells behind the outputs of the block.
     Above(u32),
-    /// They have to be copied together.
+    /// They have to be copied together, one by one.
+    Single,
+    /// They have to be copied together, some at a time.
     Scattered,
 }
 
@@ -319,14 +321,15 @@ fn source(unit: &Unit, copies: &[(u32, u32)]) -> Source {
         next = from + len;
         fits
     });
+    let apart = if copies.iter().all(|copy| copy.1 == 1) { Source::Single } else { Source::Scattered };
     if !joined {
-        Source::Scattered
+        apart
     } else if next <= unit.y.start {
         Source::Below(first)
     } else if first >= unit.y.end {
         Source::Above(first - unit.y.end)
     } else {
-        Source::Scattered
+        apart
     }
 }
 
