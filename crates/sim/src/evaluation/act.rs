@@ -89,8 +89,12 @@ impl Diagram {
         if !self.looks.is_on() {
             return;
         }
+        let shows = self.looks.shows(t);
         let mut looks = std::mem::take(&mut self.looks);
-        if self.guards(looks.row(t)).is_err() {
+        if !shows {
+            // It takes its place all the same, so that the same looks are kept.
+            looks.row(t);
+        } else if self.guards(looks.row(t)).is_err() {
             self.failure = None;
             looks.forget(t);
         }

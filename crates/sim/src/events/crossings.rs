@@ -27,7 +27,7 @@ use blocksim_block::{Crossing, Guard};
 use blocksim_solve::{Failed, locate};
 
 use crate::evaluation::evaluate::Diagram;
-use crate::events::guards::{Guards, Stride};
+use crate::events::guards::{Guards, Stride, first_loud};
 use crate::events::looks::Looks;
 
 /// Crossings in a row, without time getting on, after which nobody looks whether a guard turns back at once: near the start of a
@@ -226,7 +226,7 @@ impl Guards {
 
     /// The first guard, by number, that was zero at the start and is not any longer.
     fn departing(&self, values: &[f64]) -> Option<usize> {
-        (0..values.len()).find(|&i| self.leaves(i, values[i]))
+        first_loud(&self.start, values, |i| self.leaves(i, values[i]))
     }
 
     /// Whether guard `i` has anything to leave: a mode that holds at zero holds beyond it.
@@ -239,13 +239,17 @@ impl Guards {
     /// Whether a guard was zero at the start and is no longer, or has just fired and seems to have stayed.
     fn must_look_near(&self) -> bool {
         let patient = self.chatter.1 < HASTE;
-        (0..self.start.len()).any(|i| {
+        let looks_near = |i: usize| {
             let (start, end, events) = (self.start[i], self.end[i], self.events[i]);
             // What has crossed in its direction cannot do so again before it has crossed back.
             let turns_back =
                 || patient && events == Crossing::Either && self.fired[i] && !events.happens(start, end);
             if start == 0.0 { self.leaves(i, end) } else { turns_back() }
-        })
+        };
+        if self.fired.contains(&true) {
+            return (0..self.start.len()).any(looks_near);
+        }
+        first_loud(&self.start, &self.end, looks_near).is_some()
     }
 
     /// Takes down, as those that fired, the guards that were zero at the start and are no longer at the trial point;

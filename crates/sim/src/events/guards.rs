@@ -35,8 +35,11 @@ pub(crate) struct Guards {
     /// The least and the greatest value within the step, as far as anybody looked.
     pub low: Vec<f64>,
     pub high: Vec<f64>,
-    /// How far it went from look to look, to and fro.
+    /// How far it went from look to look, to and fro, and where it was at the last of them.
     pub path: Vec<f64>,
+    pub last: Vec<f64>,
+    /// Those with one sign at both ends that are near enough to zero to have reached it in between.
+    pub near: Vec<bool>,
     /// Those that may have crossed zero unseen.
     pub doubtful: Vec<bool>,
     /// Values at many points of a step.
@@ -69,6 +72,34 @@ fn stands_still(since: f64, t: f64) -> bool {
     t - since <= 1e-9 * t.abs().max(1.0)
 }
 
+/// How many guards are looked at abreast.
+const ABREAST: usize = 8;
+
+/// The first `i` that is `found`, among those where not both values are above zero, nor both below, nor both zero. Most guards keep
+/// their sign in most steps, so they are passed over several at once.
+pub(crate) fn first_loud(
+    start: &[f64],
+    values: &[f64],
+    mut found: impl FnMut(usize) -> bool,
+) -> Option<usize> {
+    let n = start.len().min(values.len());
+    let (some, rest) = start[..n].as_chunks::<ABREAST>();
+    let (others, _) = values[..n].as_chunks::<ABREAST>();
+    for (k, (a, b)) in some.iter().zip(others).enumerate() {
+        let quiet = |i: usize| {
+            (a[i] > 0.0) & (b[i] > 0.0) | (a[i] < 0.0) & (b[i] < 0.0) | (a[i] == 0.0) & (b[i] == 0.0)
+        };
+        if (0..ABREAST).fold(true, |all, i| all & quiet(i)) {
+            continue;
+        }
+        let first = (0..ABREAST).find(|&i| !quiet(i) && found(ABREAST * k + i));
+        if let Some(i) = first {
+            return Some(ABREAST * k + i);
+        }
+    }
+    (n - rest.len()..n).find(|&i| found(i))
+}
+
 impl Guards {
     pub fn new(events: Vec<Crossing>, states: usize) -> Self {
         let guards = events.len();
@@ -81,6 +112,8 @@ impl Guards {
             low: zeros.clone(),
             high: zeros.clone(),
             path: zeros.clone(),
+            last: zeros.clone(),
+            near: vec![false; guards],
             doubtful: vec![false; guards],
             samples: Samples::new(guards),
             trial: zeros,
@@ -114,17 +147,17 @@ impl Guards {
 
     /// The first guard, by number, whose sign is not that of the start; `both` if those count, too, that are no events.
     pub fn crossing(&self, values: &[f64], both: bool) -> Option<usize> {
-        let mut ends = self.start.iter().zip(values).zip(&self.events).zip(&self.kinks);
-        ends.position(|(((&start, &value), &events), &kink)| {
-            if kink && self.deaf {
+        first_loud(&self.start, values, |i| {
+            if self.kinks[i] && self.deaf {
                 return false;
             }
+            let events = self.events[i];
             let counts = if both && !matches!(events, Crossing::Holds | Crossing::Peak) {
                 Crossing::Either
             } else {
                 events
             };
-            counts.happens(start, value)
+            counts.happens(self.start[i], values[i])
         })
     }
 
@@ -165,6 +198,29 @@ impl Guards {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn guards_that_keep_their_sign_hide_no_other() {
+        let signs = [1.0, -1.0, 0.0, -0.0, f64::NAN];
+        for n in [0, 1, 7, 8, 9, 16, 21] {
+            let quiet: Vec<f64> = (0..n).map(|i| [2.0, -2.0, 0.0][i % 3]).collect();
+            assert_eq!(
+                first_loud(&quiet, &quiet, |_| true).is_some(),
+                n % ABREAST != 0,
+                "the rest is not sorted out"
+            );
+            for at in 0..n {
+                for (a, b) in signs.iter().flat_map(|a| signs.map(|b| (*a, b))) {
+                    for crossing in [Crossing::Either, Crossing::Rising, Crossing::Falling, Crossing::Holds] {
+                        let (mut start, mut end) = (quiet.clone(), quiet.clone());
+                        (start[at], end[at]) = (a, b);
+                        let happens = |i: usize| crossing.happens(start[i], end[i]);
+                        assert_eq!(first_loud(&start, &end, happens), (0..n).find(|&i| happens(i)));
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn chatter_is_a_thousand_crossings_in_a_nanosecond() {

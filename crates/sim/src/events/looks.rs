@@ -13,6 +13,8 @@ const KEPT: usize = 16;
 pub(crate) struct Looks {
     /// Number of guards; zero where nobody looks.
     guards: usize,
+    /// Where the step begins.
+    start: f64,
     times: Vec<f64>,
     /// Row by row.
     values: Vec<f64>,
@@ -26,6 +28,7 @@ impl Looks {
     pub fn new(guards: usize) -> Self {
         Self {
             guards,
+            start: f64::NEG_INFINITY,
             times: vec![f64::NAN; KEPT],
             values: vec![0.0; KEPT * guards],
             next: 0,
@@ -39,8 +42,15 @@ impl Looks {
         self.guards > 0
     }
 
-    /// Forgets all looks: a new step begins.
-    pub fn clear(&mut self) {
+    /// Whether a look at `t` would show anything: the values at the start of a step are known, and nobody asks for them here.
+    #[inline]
+    pub fn shows(&self, t: f64) -> bool {
+        t > self.start
+    }
+
+    /// Forgets all looks: a new step begins at `start`.
+    pub fn begin(&mut self, start: f64) {
+        self.start = start;
         self.times.fill(f64::NAN);
         self.next = 0;
     }
@@ -105,8 +115,9 @@ mod tests {
         assert_eq!(looks.within(1), (0.5, [3.0].as_slice()));
         looks.forget(0.25);
         assert_eq!(looks.find_within(0.0, 1.0), 1);
-        looks.clear();
+        looks.begin(0.5);
         assert_eq!(looks.find_within(0.0, 9.0), 0);
+        assert!(looks.shows(0.6) && !looks.shows(0.5));
     }
 
     #[test]

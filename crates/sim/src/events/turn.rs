@@ -14,7 +14,7 @@ use blocksim_block::Crossing;
 use blocksim_solve::Failed;
 
 use crate::evaluation::evaluate::Diagram;
-use crate::events::guards::{Guards, Stride};
+use crate::events::guards::{Guards, Stride, first_loud};
 use crate::events::looks::Looks;
 use crate::events::slopes::Turn;
 
@@ -67,17 +67,7 @@ impl Guards {
             count = looks.find_within(t0, t1);
         }
         self.turns.looks = count;
-        for i in 0..self.start.len() {
-            let (a, b) = (self.start[i], self.end[i]);
-            (self.low[i], self.high[i]) = (a.min(b), a.max(b));
-            let mut last = a;
-            self.path[i] = 0.0;
-            for value in (0..count).map(|k| looks.within(k).1[i]).chain([b]) {
-                (self.low[i], self.high[i]) = (self.low[i].min(value), self.high[i].max(value));
-                self.path[i] += (value - last).abs();
-                last = value;
-            }
-        }
+        self.extend_over(looks, count);
         for k in 0..count {
             let (t, values) = looks.within(k);
             if self.crossing(values, true).is_some() {
@@ -90,6 +80,30 @@ impl Guards {
         Ok(None)
     }
 
+    /// Finds the least and the greatest value of each guard at the ends and at the looks, and its way. Look by look, so that several
+    /// guards go abreast.
+    fn extend_over(&mut self, looks: &Looks, count: usize) {
+        let n = self.start.len();
+        let (start, end) = (&self.start[..n], &self.end[..n]);
+        let (low, high) = (&mut self.low[..n], &mut self.high[..n]);
+        let (path, last) = (&mut self.path[..n], &mut self.last[..n]);
+        for i in 0..n {
+            (low[i], high[i]) = (start[i].min(end[i]), start[i].max(end[i]));
+        }
+        path.fill(0.0);
+        last.copy_from_slice(start);
+        for k in 0..=count {
+            let values = if k < count { &looks.within(k).1[..n] } else { end };
+            for i in 0..n {
+                // As `min` and `max`, but for what is not a number, which has not moved.
+                low[i] = if values[i] < low[i] { values[i] } else { low[i] };
+                high[i] = if values[i] > high[i] { values[i] } else { high[i] };
+                path[i] += (values[i] - last[i]).abs();
+                last[i] = values[i];
+            }
+        }
+    }
+
     /// A time at which some guard has another sign than at both ends of the step, where `self.start` and `self.end` hold.
     pub(crate) fn turn(
         &mut self,
@@ -98,7 +112,7 @@ impl Guards {
         stride: &Stride,
     ) -> Result<Option<f64>, Failed> {
         let h = stride.t1 - stride.t0;
-        if !(0..self.start.len()).any(|i| self.may_turn(i, h)) {
+        if !self.find_near(h) {
             return if self.is_doubtful(looks, stride) { self.scan(diagram, stride) } else { Ok(None) };
         }
         if let Some(t) = self.find_slopes(diagram, stride)? {
@@ -110,7 +124,7 @@ impl Guards {
             let (a, b) = (sign * self.start[i], sign * self.end[i]);
             let slopes = [sign * h * self.turns.start[i], sign * h * self.turns.end[i]];
             if self.turns.start_known
-                && self.may_turn(i, h)
+                && self.near[i]
                 && let Some(at) = least(a, b, slopes)
             {
                 self.turns.turning.push(Turn { guard: i, at, end: self.end[i] });
@@ -130,32 +144,42 @@ impl Guards {
         Ok(found)
     }
 
-    /// Whether a guard has one sign at both ends and is near enough to zero to have reached it in between.
-    fn may_turn(&self, i: usize, h: f64) -> bool {
-        if self.events[i] == Crossing::Peak {
-            return false;
-        }
-        let c = self.turns.before[i];
-        let way = self.high[i].max(c) - self.low[i].min(c);
+    /// Finds the guards that have one sign at both ends and are near enough to zero to have reached it in between; returns whether
+    /// there are any.
+    fn find_near(&mut self, h: f64) -> bool {
         let grown = self.turns.looks < FEW && h > GROWTH * self.turns.length;
-        self.start[i] * self.end[i] > 0.0 && (grown || REACH * way >= self.nearest(i))
+        let n = self.start.len();
+        let (start, end, before) = (&self.start[..n], &self.end[..n], &self.turns.before[..n]);
+        let (low, high, near) = (&self.low[..n], &self.high[..n], &mut self.near[..n]);
+        let mut any = false;
+        for i in 0..n {
+            let way = high[i].max(before[i]) - low[i].min(before[i]);
+            near[i] = (start[i] * end[i] > 0.0) & (grown | (REACH * way >= nearest(low[i], high[i])));
+            any |= near[i];
+        }
+        if any {
+            let peaks =
+                self.events.iter().zip(near.iter_mut()).filter(|(events, _)| **events == Crossing::Peak);
+            peaks.for_each(|(_, near)| *near = false);
+            any = near.contains(&true);
+        }
+        any
     }
 
     /// How near to zero a guard is known to have come.
     fn nearest(&self, i: usize) -> f64 {
-        self.low[i].max(-self.high[i]).max(0.0)
+        nearest(self.low[i], self.high[i])
     }
 
     /// Finds the guards of which neither slopes nor looks say for sure that they have not crossed zero.
     fn is_doubtful(&mut self, looks: &Looks, stride: &Stride) -> bool {
-        let h = stride.t1 - stride.t0;
         for i in 0..self.start.len() {
             let (a, b) = (self.start[i], self.end[i]);
             self.doubtful[i] = if self.events[i] == Crossing::Peak {
                 false
             } else if a * b > 0.0 {
                 // What depends on time alone may do anything between two looks.
-                self.may_turn(i, h) && (stride.stepper.is_none() || self.dips(i, looks, stride))
+                self.near[i] && (stride.stepper.is_none() || self.dips(i, looks, stride))
             } else {
                 self.path[i] > DETOUR * (b - a).abs()
             };
@@ -207,7 +231,7 @@ impl Guards {
             self.turns.end[i] = (self.end[i] - self.trial[i]) / (stride.t1 - late);
         }
         self.turns.end_known = true;
-        let leaves = |i: usize| self.may_turn(i, h) && self.turns.end[i] * self.end[i] > 0.0;
+        let leaves = |i: usize| self.near[i] && self.turns.end[i] * self.end[i] > 0.0;
         if self.turns.start_known || !(0..self.end.len()).any(leaves) {
             return Ok(None);
         }
@@ -225,12 +249,13 @@ impl Guards {
     /// Whether a guard has another sign at the trial point than at both ends. Those that have crossed by the end are found
     /// anyway, and must not end the search for the others.
     fn has_turned(&self) -> bool {
-        let ends = self.start.iter().zip(&self.end).zip(&self.trial);
-        ends.zip(&self.events).any(|(((&start, &end), &trial), &events)| {
+        let turned = first_loud(&self.start, &self.trial, |i| {
+            let (start, events) = (self.start[i], self.events[i]);
             let counts =
                 if matches!(events, Crossing::Holds | Crossing::Peak) { events } else { Crossing::Either };
-            counts.happens(start, trial) && !counts.happens(start, end)
-        })
+            counts.happens(start, self.trial[i]) && !counts.happens(start, self.end[i])
+        });
+        turned.is_some()
     }
 
     /// Looks for the other side of zero near an extremum, by parabolas through three points that enclose it.
@@ -269,6 +294,12 @@ impl Guards {
     }
 }
 
+/// How near to zero values from `low` to `high` come.
+#[inline(always)]
+fn nearest(low: f64, high: f64) -> f64 {
+    low.max(-high).max(0.0)
+}
+
 /// Where the cubic from `a` to `b` over a step of length 1 with these slopes at its ends is least, if it falls first, rises
 /// in the end and comes so near to zero that it may have been beyond: by more than half of the way from the nearer end.
 fn least(a: f64, b: f64, slopes: [f64; 2]) -> Option<f64> {
@@ -305,6 +336,61 @@ mod tests {
         assert!((at - 0.3).abs() < 1e-15, "{at}");
         let (at, value) = vertex((0.0, p(0.0)), (0.4, p(0.4)), (1.0, p(1.0)));
         assert!((at - 0.3).abs() < 1e-14 && (value - 0.01).abs() < 1e-14, "{at} {value}");
+    }
+
+    #[test]
+    fn guards_abreast_are_as_near_to_zero_as_one_by_one() {
+        let mut seed = 1_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            match seed >> 60 {
+                0 => 0.0,
+                1 => f64::INFINITY,
+                _ => (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0 + f64::from((seed >> 50) as u8 % 3),
+            }
+        };
+        let kinds = [Crossing::Either, Crossing::Rising, Crossing::Holds, Crossing::Peak];
+        for count in 0..4 {
+            let n = 37;
+            let mut guards = Guards::new((0..n).map(|i| kinds[i % kinds.len()]).collect(), 0);
+            let mut looks = Looks::new(n);
+            let way: Vec<Vec<f64>> = (0..count + 2).map(|_| (0..n).map(|_| random()).collect()).collect();
+            for (k, values) in way[1..=count].iter().enumerate() {
+                looks.row(k as f64 + 1.0).copy_from_slice(values);
+            }
+            guards.start.clone_from(&way[0]);
+            guards.end.clone_from(&way[count + 1]);
+            guards.turns.before.iter_mut().for_each(|value| *value = random());
+            (guards.turns.length, guards.turns.looks) = (1.0, looks.find_within(0.0, 9.0));
+            guards.extend_over(&looks, count);
+            for h in [1.0, 20.0] {
+                let mut any = false;
+                guards.find_near(h);
+                for i in 0..n {
+                    let values: Vec<f64> = way.iter().map(|values| values[i]).collect();
+                    let (low, high) =
+                        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                            (low.min(*v), high.max(*v))
+                        });
+                    assert_eq!((guards.low[i], guards.high[i]), (low, high));
+                    let before = guards.turns.before[i];
+                    let reach = 4.0 * (high.max(before) - low.min(before));
+                    let distance = if low > 0.0 {
+                        low
+                    } else if high < 0.0 {
+                        -high
+                    } else {
+                        0.0
+                    };
+                    let near = kinds[i % kinds.len()] != Crossing::Peak
+                        && values[0] * values[count + 1] > 0.0
+                        && (count < 3 && h > 10.0 || reach >= distance);
+                    assert_eq!(guards.near[i], near, "{values:?}");
+                    any |= near;
+                }
+                assert_eq!(guards.find_near(h), any);
+            }
+        }
     }
 
     #[test]

@@ -99,7 +99,7 @@ impl Simulation {
             self.t = limit;
             return Ok(());
         };
-        self.diagram.looks.clear();
+        self.diagram.looks.begin(self.t);
         let stepped = stepper.step(&mut self.diagram, &mut self.t, &mut self.x, limit);
         stepped.map_err(|error| diagnose::step(&self.schedule, &mut self.diagram, &self.x, error))
     }
