@@ -150,15 +150,27 @@ fn solve(l: &[f64], b: &mut [f64], n: usize) {
 /// Overwrites the n by m matrix `b` with the solution X of a X = b, from the factor of [`cholesky_factor`]; cheaper than
 /// column by column.
 pub fn cholesky_solve_matrix(l: &[f64], n: usize, b: &mut [f64]) {
-    sized!(solve_matrix(l, b; n));
+    if b.len() == n * n {
+        return sized!(solve_square(l, b; n));
+    }
+    sized!(solve_wide(l, b; n));
+}
+
+/// As many columns as rows: their number is known to the compiler as well.
+#[inline(always)]
+fn solve_square(l: &[f64], b: &mut [f64], n: usize) {
+    solve_matrix(l, b, n, n);
 }
 
 #[inline(always)]
-fn solve_matrix(l: &[f64], b: &mut [f64], n: usize) {
-    if n == 0 {
-        return;
+fn solve_wide(l: &[f64], b: &mut [f64], n: usize) {
+    if n > 0 {
+        solve_matrix(l, b, n, b.len() / n);
     }
-    let m = b.len() / n;
+}
+
+#[inline(always)]
+fn solve_matrix(l: &[f64], b: &mut [f64], n: usize, m: usize) {
     let (l, b) = (&l[..n * n], &mut b[..n * m]);
     for i in 0..n {
         let (above, rest) = b.split_at_mut(i * m);

@@ -11,16 +11,25 @@
 use blocksim_block::physical::{DryMesh, LossModel, MeshLoss};
 use blocksim_solve::linear::{lu_factor, lu_solve};
 
-/// Loss torque and its derivatives with respect to the torque into the base and the speed of the base.
+/// How far the loss of the dissipative law has set in, from -1 to 1: all that it needs a hyperbolic tangent for.
+fn onset(mesh: &MeshLoss, speed: f64) -> f64 {
+    match mesh.model {
+        LossModel::Dissipative { threshold } => (speed / threshold).tanh(),
+        LossModel::Published { .. } | LossModel::Stiction => 0.0,
+    }
+}
+
+/// Loss torque and its derivatives with respect to the torque into the base and the speed of the base, whose [`onset`] is known: no
+/// torque changes it.
 ///
 /// With `FL = 1 - eta(base to follower)` and `BL = 1/eta(follower to base) - 1`: far above the threshold the
 /// follower gets `eta` of the torque in either direction.
-pub(crate) fn loss(mesh: &MeshLoss, torque: f64, speed: f64) -> (f64, f64, f64) {
+#[inline]
+fn loss(mesh: &MeshLoss, torque: f64, speed: f64, onset: f64) -> (f64, f64, f64) {
     let forward = 1.0 - mesh.forward;
     let backward = 1.0 / mesh.backward - 1.0;
     match mesh.model {
         LossModel::Dissipative { threshold } => {
-            let onset = (speed / threshold).tanh();
             let share = if torque * speed > 0.0 { forward } else { backward };
             let d_onset = (1.0 - onset * onset) / threshold;
             (torque.abs() * share * onset, torque.signum() * share * onset, torque.abs() * share * d_onset)
@@ -48,6 +57,8 @@ pub(crate) struct MeshScratch {
     pub by_speed: Vec<f64>,
     /// Of meshes with stiction: what they lose, and in which direction they slide; 0 when they are stuck.
     pub dry: Vec<(DryMesh, f64)>,
+    /// Of dissipative meshes, for the iteration at hand.
+    onset: Vec<f64>,
     by_torque: Vec<f64>,
     residual: Vec<f64>,
     trial: Vec<f64>,
@@ -63,6 +74,7 @@ impl MeshScratch {
             loss: vec![0.0; n],
             by_speed: vec![0.0; n],
             dry: vec![(DryMesh::default(), 0.0); n],
+            onset: vec![0.0; n],
             by_torque: vec![0.0; n],
             residual: vec![0.0; n],
             trial: vec![0.0; n],
@@ -80,7 +92,7 @@ impl MeshScratch {
             (self.loss[i], self.by_torque[i], self.by_speed[i]) = match (mesh.model, &self.dry[i]) {
                 (LossModel::Stiction, (_, 0.0)) => (0.0, 0.0, 0.0),
                 (LossModel::Stiction, (law, sense)) => law.loss(z[i], *sense),
-                _ => loss(mesh, z[i], speed[i]),
+                _ => loss(mesh, z[i], speed[i], self.onset[i]),
             };
         }
         let mut largest = 0.0_f64;
@@ -107,17 +119,20 @@ const ITERATIONS: usize = 60;
 pub(crate) fn solve(s: &mut MeshScratch, meshes: &[MeshLoss], speed: &[f64], k: &[f64], c: &[f64]) -> bool {
     let n = meshes.len();
     s.torque.copy_from_slice(c);
+    s.onset
+        .iter_mut()
+        .zip(meshes.iter().zip(speed))
+        .for_each(|(to, (mesh, speed))| *to = onset(mesh, *speed));
     let scale = c.iter().fold(1e-9_f64, |max, value| max.max(value.abs()));
     let mut error = s.residual(meshes, speed, k, c, false);
     for _ in 0..ITERATIONS {
         if error <= 1e-13 * scale {
             return true;
         }
-        for i in 0..n {
-            for j in 0..n {
-                let (one, own) = if i == j { (1.0, own(&meshes[i])) } else { (0.0, 0.0) };
-                s.jacobian[i * n + j] = one + (k[i * n + j] - own) * s.by_torque[j];
-            }
+        for (i, (row, k)) in s.jacobian.chunks_exact_mut(n).zip(k.chunks_exact(n)).enumerate() {
+            let columns = k.iter().zip(&s.by_torque);
+            row.iter_mut().zip(columns).for_each(|(to, (k, by_torque))| *to = k * by_torque);
+            row[i] = 1.0 + (k[i] - own(&meshes[i])) * s.by_torque[i];
         }
         s.direction.copy_from_slice(&s.residual);
         if lu_factor(&mut s.jacobian, &mut s.pivots).is_err() {
@@ -147,6 +162,10 @@ pub(crate) fn solve(s: &mut MeshScratch, meshes: &[MeshLoss], speed: &[f64], k: 
 mod tests {
     use super::*;
 
+    fn loss_at(mesh: &MeshLoss, torque: f64, speed: f64) -> (f64, f64, f64) {
+        loss(mesh, torque, speed, onset(mesh, speed))
+    }
+
     fn published(forward: f64, backward: f64) -> MeshLoss {
         MeshLoss { forward, backward, model: LossModel::Published { threshold: 1e-3 } }
     }
@@ -165,7 +184,7 @@ mod tests {
             (1.0, 0.2),
         ];
         for (power, value) in expected {
-            let (found, _, _) = loss(&published(0.8, 0.7), 1.0, power);
+            let (found, _, _) = loss_at(&published(0.8, 0.7), 1.0, power);
             assert!((found - value).abs() < 1e-7, "p = {power}: {found} != {value}");
         }
     }
@@ -175,10 +194,10 @@ mod tests {
         let mesh = MeshLoss { forward: 0.8, backward: 0.7, model: LossModel::Dissipative { threshold: 1.0 } };
         for torque in [-3.0, -0.1, 0.0, 0.1, 3.0] {
             for speed in [-100.0, -0.5, 0.0, 0.5, 100.0] {
-                let (found, _, _) = loss(&mesh, torque, speed);
+                let (found, _, _) = loss_at(&mesh, torque, speed);
                 assert!(found * speed >= 0.0, "torque {torque}, speed {speed}: {found}");
                 if f64::abs(speed) == 100.0 && torque != 0.0 {
-                    let (limit, _, _) = loss(&published(0.8, 0.7), torque, speed);
+                    let (limit, _, _) = loss_at(&published(0.8, 0.7), torque, speed);
                     assert!(
                         (found - limit).abs() < 1e-12,
                         "torque {torque}, speed {speed}: {found} != {limit}"
@@ -193,10 +212,12 @@ mod tests {
         for model in [LossModel::Dissipative { threshold: 1.0 }, LossModel::Published { threshold: 1e-3 }] {
             let mesh = MeshLoss { forward: 0.75, backward: 0.7, model };
             for (torque, speed) in [(1.0, 2e-4), (-2.0, 1e-4), (0.5, -3e-4), (-0.7, -2e-4)] {
-                let (_, by_torque, by_speed) = loss(&mesh, torque, speed);
+                let (_, by_torque, by_speed) = loss_at(&mesh, torque, speed);
                 let h = 1e-9;
-                let dt = (loss(&mesh, torque + h, speed).0 - loss(&mesh, torque - h, speed).0) / (2.0 * h);
-                let dw = (loss(&mesh, torque, speed + h).0 - loss(&mesh, torque, speed - h).0) / (2.0 * h);
+                let dt =
+                    (loss_at(&mesh, torque + h, speed).0 - loss_at(&mesh, torque - h, speed).0) / (2.0 * h);
+                let dw =
+                    (loss_at(&mesh, torque, speed + h).0 - loss_at(&mesh, torque, speed - h).0) / (2.0 * h);
                 assert!((by_torque - dt).abs() < 1e-4 * (1.0 + dt.abs()), "{by_torque} != {dt}");
                 assert!((by_speed - dw).abs() < 1e-4 * (1.0 + dw.abs()), "{by_speed} != {dw}");
             }

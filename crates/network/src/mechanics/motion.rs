@@ -10,6 +10,17 @@ use crate::network::Network;
 use crate::seat::MOTION;
 use crate::work::Work;
 
+/// `to += factor * from`. The arms that most robots have are told to the compiler, which unrolls them.
+#[inline(always)]
+fn add_scaled(to: &mut [f64], factor: f64, from: &[f64]) {
+    const AXES: usize = 6;
+    let n = to.len().min(from.len());
+    match n {
+        AXES => to[..AXES].iter_mut().zip(&from[..AXES]).for_each(|(to, value)| *to += factor * value),
+        _ => to[..n].iter_mut().zip(&from[..n]).for_each(|(to, value)| *to += factor * value),
+    }
+}
+
 impl Network {
     /// Mass matrix over the independent speeds, bias forces of the joints.
     pub(crate) fn mass(&self, q: &[f64], w: &mut Work) {
@@ -24,11 +35,8 @@ impl Network {
         };
         mass_and_bias(model, data, q, &w.joint_speed, &mut w.joint_mass, &mut w.bias);
         if self.rotation.joints_are_free {
-            for row in 0..j {
-                for column in 0..j {
-                    w.mass[row * n + column] += w.joint_mass[row * j + column];
-                }
-            }
+            let rows = w.mass.chunks_exact_mut(n.max(1)).zip(w.joint_mass.chunks_exact(j.max(1)));
+            rows.for_each(|(to, from)| to.iter_mut().zip(from).for_each(|(to, from)| *to += from));
             return;
         }
         for row in 0..j {
@@ -147,8 +155,7 @@ impl Network {
             let row = &mut w.coupling[i * g..(i + 1) * g];
             row.iter_mut().zip(&gear.by_loss).for_each(|(to, by_loss)| *to = -by_loss);
             for (speed, factor) in gear.by_acceleration.terms() {
-                let from = &w.columns[*speed as usize * g..(*speed as usize + 1) * g];
-                row.iter_mut().zip(from).for_each(|(to, value)| *to += factor * value);
+                add_scaled(row, *factor, &w.columns[*speed as usize * g..(*speed as usize + 1) * g]);
             }
             if !w.rows.is_empty() {
                 for h in 0..g {
@@ -166,10 +173,10 @@ impl Network {
             }));
             return;
         }
+        for (dv, row) in w.dv.iter_mut().zip(w.columns.chunks_exact(g)) {
+            *dv = w.mesh.loss.iter().zip(row).fold(*dv, |dv, (loss, column)| dv - loss * column);
+        }
         for (h, loss) in w.mesh.loss.iter().enumerate() {
-            for i in 0..n {
-                w.dv[i] -= loss * w.columns[i * g + h];
-            }
             for (lambda, share) in w.lambda.iter_mut().zip(&w.mesh_lambda[h * m..(h + 1) * m]) {
                 *lambda -= loss * share;
             }

@@ -2,6 +2,7 @@
 
 mod convergence;
 mod limits;
+mod matrices;
 mod order_eight;
 mod stiff;
 mod tolerances;
