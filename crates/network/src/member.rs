@@ -27,6 +27,13 @@ impl Member {
         outputs.into_iter().any(|((_, needs), read)| *read && *needs != Needs::State)
     }
 
+    /// Somebody reads an output that depends on states alone, as those on voltages and currents do where these are `early`.
+    pub(crate) fn is_charge_read(&self, early: bool) -> bool {
+        let outputs = self.part.outputs.iter().zip(&self.read);
+        let from_states = |needs: Needs| needs == Needs::State || early && needs == Needs::Electrics;
+        outputs.into_iter().any(|((_, needs), read)| *read && from_states(*needs))
+    }
+
     /// It keeps an account of the network, and is connected to it at no matter what node.
     pub(crate) fn is_account(&self) -> bool {
         self.part.elements.iter().any(|element| matches!(element, Element::EnergyAccount { .. }))

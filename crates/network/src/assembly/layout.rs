@@ -465,10 +465,11 @@ fn measures(
     early: bool,
     late: bool,
 ) -> [Option<Needs>; 4] {
+    let charge = if member.is_charge_read(early) { CHARGE } else { STATE };
     let group = |declared: Needs| match declared {
         Needs::State if shifted => ELECTRICS,
-        Needs::State if electrical => CHARGE,
-        Needs::Electrics if early => CHARGE,
+        Needs::State if electrical => charge,
+        Needs::Electrics if early => charge,
         Needs::State => STATE,
         Needs::Electrics if late => MOTION,
         Needs::Electrics => ELECTRICS,

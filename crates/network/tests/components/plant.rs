@@ -109,7 +109,10 @@ fn terminal(members: &[Member], text: &str) -> Terminal {
 
 /// Assembles blocks with connections such as `motor.r <-> gear.base`; each set of joined ports is one line.
 pub fn assembled(blocks: &[(&str, &str)], connections: &[&str]) -> Result<Network, Vec<NetworkProblem>> {
-    let members = members(blocks);
+    joined(members(blocks), connections)
+}
+
+fn joined(members: Vec<Member>, connections: &[&str]) -> Result<Network, Vec<NetworkProblem>> {
     let joined: Vec<Vec<Terminal>> = connections
         .iter()
         .map(|line| line.split("<->").map(|text| terminal(&members, text)).collect())
@@ -125,6 +128,17 @@ pub struct Plant {
 impl Plant {
     pub fn new(blocks: &[(&str, &str)], connections: &[&str]) -> Self {
         let network = assembled(blocks, connections).unwrap_or_else(|problems| panic!("{problems:#?}"));
+        Self { bench: Bench::of(network) }
+    }
+
+    /// Where somebody reads these outputs alone.
+    pub fn read_at(blocks: &[(&str, &str)], connections: &[&str], outputs: &[&str]) -> Self {
+        let mut members = members(blocks);
+        for Member { path, part, read, .. } in &mut members {
+            let names = part.outputs.iter().map(|(output, _)| format!("{path}.{}", output.name));
+            read.iter_mut().zip(names).for_each(|(read, name)| *read = outputs.contains(&name.as_str()));
+        }
+        let network = joined(members, connections).unwrap_or_else(|problems| panic!("{problems:#?}"));
         Self { bench: Bench::of(network) }
     }
 
@@ -145,6 +159,11 @@ impl Plant {
     fn output(&self, name: &str) -> usize {
         let index = self.bench.interface.outputs.iter().position(|output| output.name == name);
         index.unwrap_or_else(|| panic!("no output {name}"))
+    }
+
+    /// The group with which an output of a member is evaluated.
+    pub fn group(&self, name: &str) -> usize {
+        self.bench.interface.group_of[self.output(name)]
     }
 
     /// Reads an output of a member.
