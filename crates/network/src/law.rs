@@ -4,38 +4,42 @@ use blocksim_block::Context;
 use blocksim_block::physical::Law;
 
 use crate::network::Network;
-use crate::seat::Seat;
+use crate::seat::{Seat, Shares};
 use crate::work::Work;
 
 impl Network {
     /// What a member sees before accelerations are known.
     #[inline(always)]
     pub(crate) fn law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
-        // Most members have a share of few of these lists, and this is called some hundred times in an evaluation.
         let (x, d) = seat.states(c);
         let mut law = Law { t: c.t, x, d, inputs: &seat.inputs, ..Law::nothing() };
-        if let Some(at) = seat.shifted {
+        let shares = seat.shares;
+        if shares.has(Shares::OWN)
+            && let Some(at) = seat.shifted
+        {
             law.x = &w.own[at..at + x.len()];
         }
-        if !seat.u.is_empty() {
+        if shares.has(Shares::INPUTS) {
             law.u = &c.u[seat.u.clone()];
         }
-        if !seat.pins.is_empty() {
+        if shares.has(Shares::PINS) {
             law.speed = &w.pin_speed[seat.pins.clone()];
         }
-        if !(seat.frictions.is_empty() && seat.dry.is_empty()) {
+        if shares.has(Shares::MODES) {
             law.mode = self.modes_of(c, seat);
         }
-        if !seat.two_pins.is_empty() {
+        if shares.has(Shares::TWO_PINS) {
             law.voltage = &w.voltage[seat.two_pins.clone()];
             law.current = &w.current[seat.two_pins.clone()];
             law.places = &seat.places;
         }
-        if let Some(i) = seat.supply {
+        if shares.has(Shares::SUPPLY)
+            && let Some(i) = seat.supply
+        {
             law.supply = &w.supply[i];
             law.line_current = &w.line_current[i];
         }
-        if seat.is_spatial() {
+        if shares.has(Shares::SPACE) {
             law.joint = &w.joint_motion[seat.joint.clone()];
             law.frames = &w.frame_motion[seat.frames.clone()];
             if let Some(i) = seat.ball {
@@ -53,19 +57,24 @@ impl Network {
     }
 
     /// The same with the states as the solver has them, where sources add to them.
+    #[inline(always)]
     pub(crate) fn own_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
-        Law { x: seat.states(c).0, ..self.law(c, seat, w) }
+        let mut law = self.law(c, seat, w);
+        if seat.shares.has(Shares::OWN) {
+            law.x = seat.states(c).0;
+        }
+        law
     }
 
     /// What a member sees in the end.
     #[inline(always)]
     pub(crate) fn whole_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
         let mut law = self.law(c, seat, w);
-        if !seat.pins.is_empty() {
+        if seat.shares.has(Shares::PINS) {
             law.acceleration = &w.pin_acceleration[seat.pins.clone()];
             law.torque = &w.pin_torque[seat.pins.clone()];
         }
-        if !seat.gears.is_empty() {
+        if seat.shares.has(Shares::GEARS) {
             law.mesh = &w.all_mesh[seat.gears.clone()];
         }
         law

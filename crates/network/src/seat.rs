@@ -6,7 +6,7 @@ use std::sync::Arc;
 use blocksim_block::physical::{Component, ElementPlace, Needs};
 use blocksim_block::{Block, Context};
 
-use crate::electrics::{Island, Joined};
+use crate::electrics::{Electrics, GivenBy, Island, Joined};
 use crate::member::Member;
 
 /// Output group of what depends on states alone.
@@ -67,6 +67,45 @@ pub(crate) struct Seat {
     pub is_early: bool,
     /// Which outputs it has, by group, under the need that the component knows them by.
     pub measures: [Option<Needs>; 4],
+    /// Of which lists it has a share.
+    pub shares: Shares,
+}
+
+/// Of which lists a member has a share. Most have one of few, and the laws of all are put together some hundred times in an evaluation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Shares(u8);
+
+impl Shares {
+    pub(crate) const INPUTS: Self = Self(1);
+    pub(crate) const PINS: Self = Self(1 << 1);
+    pub(crate) const MODES: Self = Self(1 << 2);
+    pub(crate) const TWO_PINS: Self = Self(1 << 3);
+    pub(crate) const SUPPLY: Self = Self(1 << 4);
+    /// It sees a joint or a frame.
+    pub(crate) const SPACE: Self = Self(1 << 5);
+    /// Sources add to its states.
+    pub(crate) const OWN: Self = Self(1 << 6);
+    pub(crate) const GEARS: Self = Self(1 << 7);
+
+    /// Those of a seat whose other values are final.
+    pub(crate) fn of(seat: &Seat) -> Self {
+        let has = [
+            (!seat.u.is_empty(), Self::INPUTS),
+            (!seat.pins.is_empty(), Self::PINS),
+            (!(seat.frictions.is_empty() && seat.dry.is_empty()), Self::MODES),
+            (!seat.two_pins.is_empty(), Self::TWO_PINS),
+            (seat.supply.is_some(), Self::SUPPLY),
+            (!seat.joint.is_empty() || seat.ball.is_some() || !seat.frames.is_empty(), Self::SPACE),
+            (seat.shifted.is_some(), Self::OWN),
+            (!seat.gears.is_empty(), Self::GEARS),
+        ];
+        Self(has.into_iter().filter(|(has, _)| *has).fold(0, |all, (_, one)| all | one.0))
+    }
+
+    #[inline(always)]
+    pub(crate) fn has(self, share: Self) -> bool {
+        self.0 & share.0 != 0
+    }
 }
 
 /// Where a member that the network integrates by itself has its values at the end of a coupling step, all among the
@@ -115,12 +154,6 @@ impl Seat {
     #[inline(always)]
     pub(crate) fn component(&self) -> Option<&dyn Component> {
         self.block.component()
-    }
-
-    /// It sees a joint or a frame.
-    #[inline]
-    pub(crate) fn is_spatial(&self) -> bool {
-        !self.joint.is_empty() || self.ball.is_some() || !self.frames.is_empty()
     }
 
     /// States and discrete states of the member.
@@ -185,12 +218,14 @@ pub(crate) struct OfIsland {
     pub voltages: Vec<usize>,
     /// They give currents.
     pub currents: Vec<usize>,
+    /// All these currents follow from states, and from those as the solver has them.
+    pub follows_states: bool,
     /// They have space vectors.
     pub vectors: Vec<usize>,
 }
 
 impl Active {
-    pub(crate) fn new(seats: &[Seat], islands: &[Island]) -> Self {
+    pub(crate) fn new(seats: &[Seat], electrics: &Electrics) -> Self {
         let of_island = |island: &Island| {
             let which = |has: &dyn Fn(&Seat) -> bool| {
                 island.members.iter().copied().filter(|i| has(&seats[*i])).collect::<Vec<_>>()
@@ -198,6 +233,12 @@ impl Active {
             OfIsland {
                 voltages: which(&|seat| !seat.sources.is_empty()),
                 currents: which(&|seat| !seat.windings.is_empty()),
+                follows_states: which(&|seat| !seat.windings.is_empty()).iter().map(|i| &seats[*i]).all(
+                    |seat| {
+                        let by_state = |i: usize| electrics.windings[i] == GivenBy::State;
+                        seat.shifted.is_none() && seat.windings.clone().all(by_state)
+                    },
+                ),
                 vectors: which(&|seat| seat.supply.is_some()),
             }
         };
@@ -219,7 +260,7 @@ impl Active {
             states: which(&|seat| seat.held.is_none() && !seat.x.is_empty()),
             jumps: which(&|seat| seat.held.is_none() && seat.member.part.jumps),
             valves: Vec::new(),
-            islands: islands.iter().map(of_island).collect(),
+            islands: electrics.islands.iter().map(of_island).collect(),
             guards: which(&|seat| !seat.g.is_empty()),
             guards_of_state: seats
                 .iter()

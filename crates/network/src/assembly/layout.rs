@@ -20,7 +20,7 @@ use crate::mechanics::stiction::parts::Stiction;
 use crate::member::Member;
 use crate::network::Network;
 use crate::problem::NetworkProblem;
-use crate::seat::{Active, CHARGE, ELECTRICS, Held, MOTION, Role, STATE, Seat};
+use crate::seat::{Active, CHARGE, ELECTRICS, Held, MOTION, Role, STATE, Seat, Shares};
 
 /// Counters of everything that members have a share of.
 #[derive(Default)]
@@ -177,6 +177,7 @@ impl Network {
                 is_capacitance: has(&|e| matches!(e, Element::Capacitance { .. })),
                 is_early: early,
                 measures,
+                shares: Shares::default(),
                 block: Arc::clone(&member.block),
                 member: Box::new(member),
             });
@@ -187,6 +188,9 @@ impl Network {
             debug_assert!(electrics.places[index].island.is_some());
             seat.shifted = Some(shifted);
             shifted += seat.x.len();
+        }
+        for seat in &mut seats {
+            seat.shares = Shares::of(seat);
         }
         let first_pose = next.y;
         for output in scene::outputs(&frames) {
@@ -264,7 +268,7 @@ impl Network {
         }
         let accounts = Accounts::new(&seats, frames.payloads.len(), &mut interface);
         let mut network = Self {
-            active: Active { valves: with_valves(&electrics), ..Active::new(&seats, &electrics.islands) },
+            active: Active { valves: with_valves(&electrics), ..Active::new(&seats, &electrics) },
             has_early: seats.iter().any(|seat| seat.is_early),
             meshes: rotation.gears.iter().map(|gear| gear.loss).collect(),
             seats,
@@ -456,7 +460,8 @@ fn hold(
 }
 
 /// Declares the outputs of a member; returns, for each group, the need that its component knows them by. A sensor that
-/// reads states alone closes no algebraic loop: `early`. What sources add to is not known before they are: `shifted`; nor is heat before
+/// reads states alone closes no algebraic loop: `early`. Of what follows from states alone, that which nobody reads stands apart
+/// from what is evaluated between major steps. What sources add to is not known before they are: `shifted`; nor is heat before
 /// torques: `late`.
 fn measures(
     interface: &mut Interface,

@@ -5,7 +5,7 @@ use blocksim_block::physical::{Supply, ValveKind, from_space_vector, space_vecto
 
 use crate::electrics::{Conducting, Early, GivenBy, Joined, Unsolvable, coordinates, solve};
 use crate::network::Network;
-use crate::seat::{ELECTRICS, Role};
+use crate::seat::{ELECTRICS, Role, Seat};
 use crate::work::Work;
 
 /// Why the circuit of an island could not be evaluated; the context knows the sentence.
@@ -80,7 +80,7 @@ impl Network {
         w.evaluation[ELECTRICS] = c.evaluation;
         self.fed(c, w);
         for (island, circuit) in self.electrics.islands.iter().enumerate() {
-            if circuit.separate.is_none() && self.circuit(island, c, w).is_err() {
+            if circuit.separate.is_none() && self.circuit_behind(island, self.has_early, c, w).is_err() {
                 return;
             }
         }
@@ -139,11 +139,18 @@ impl Network {
 
     /// Voltages and currents of one island.
     pub(crate) fn circuit(&self, island: usize, c: &Context, w: &mut Work) -> Result<(), Faulty> {
+        self.circuit_behind(island, false, c, w)
+    }
+
+    /// The same, in an evaluation whose early readings have found the currents that follow from states already, if `early`.
+    fn circuit_behind(&self, island: usize, early: bool, c: &Context, w: &mut Work) -> Result<(), Faulty> {
         let members = &self.active.islands[island].currents;
         self.prescribed_voltages(island, c, w);
-        let mut given = std::mem::take(&mut w.given);
-        self.given_currents(c, w, &mut given, members, |by| by != GivenBy::Voltage);
-        w.given = given;
+        if !(early && self.active.islands[island].follows_states) {
+            let mut given = std::mem::take(&mut w.given);
+            self.given_currents(c, w, &mut given, members, |by| by != GivenBy::Voltage);
+            w.given = given;
+        }
         let conducting = self.conducting(island, c, w);
         if let Err(why) = self.choose(island, conducting, w) {
             // What conducts by itself lets go when a gate closes a loop, and takes over when one cuts a source off; which of it does
@@ -203,7 +210,7 @@ impl Network {
     }
 
     /// The space vectors that machines and supplies of a circuit see.
-    fn vectors(&self, seat: &crate::seat::Seat, w: &mut Work) {
+    fn vectors(&self, seat: &Seat, w: &mut Work) {
         let Some(slot) = seat.supply else { return };
         match seat.role {
             Role::Machine(joined) => {

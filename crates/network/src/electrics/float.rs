@@ -10,6 +10,9 @@ use crate::work::circuits::FloatRoom;
 impl Network {
     /// Adds the potentials of floating parts to the voltages of an island.
     pub(crate) fn float(&self, island: usize, c: &Context, w: &mut Work) {
+        if w.circuits[island].now().floating.is_none() {
+            return;
+        }
         let mut circuits = std::mem::take(&mut w.circuits);
         if let Some(floating) = &circuits[island].now().floating {
             let mut room = std::mem::take(&mut w.float);
