@@ -64,7 +64,7 @@ R.Draw3d = (() => {
       through() { gl.disable(gl.DEPTH_TEST); },
       /** Nothing will be drawn any more. */
       end() { gl.getExtension('WEBGL_lose_context')?.loseContext(); },
-      /** @param {any} mesh @param {ArrayLike<number>} place @param {number[]} colour */
+      /** @param {any} mesh Of one colour from all sides where it is `plain`. @param {ArrayLike<number>} place @param {number[]} colour */
       solid(mesh, place, colour) {
         const ghost = colour[3] < 1;
         if (ghost) gl.enable(gl.BLEND); else gl.disable(gl.BLEND);
@@ -75,7 +75,7 @@ R.Draw3d = (() => {
         gl.vertexAttribPointer(1, 3, gl.FLOAT, false, 24, 12);
         gl.uniformMatrix4fv(where.place, false, Float32Array.from(place));
         gl.uniform4fv(where.colour, colour);
-        gl.uniform1f(where.lit, 1);
+        gl.uniform1f(where.lit, mesh.plain ? 0 : 1);
         gl.drawArrays(gl.TRIANGLES, 0, mesh.triangles.length / 6);
         gl.depthMask(true);
       },

@@ -7,7 +7,7 @@
   const KEYS = [
     ['Space', 'play and stop'], ['← →', 'one step back and on (Shift: ten)'], ['Home, End', 'begin and end'],
     ['A, B', 'set cursor A or B to the present time, again to take it away; with the mouse they can be drawn along'], ['T', 'table of values at the cursors and between them'], ['+ −', 'zoom in and out in time'], ['[ ]', 'move the range'],
-    ['0', 'all times'], ['1 – 6', '3D: oblique, front, back, left, right, above'], ['F', '3D: fit'], ['G, P, M, C', '3D: set value, path, frames, centres of mass'],
+    ['0', 'all times'], ['1 – 6', '3D: oblique, front, back, left, right, above'], ['F', '3D: fit'], ['G, P, M, C', '3D: set value, path, frames, centres of mass'], ['S, E, J', '3D: speed along the path, torques of the joints, table of the pose'],
     ...(R.data.compared ? [['N', 'next place where the runs differ (Shift: the one before)']] : []), ['Enter, Backspace', 'diagram: into a block, one level up'], ['arrows', 'diagram: along the wires, where a block is chosen'], ['W', 'diagram: from wire to wire (Shift: back)'], ['V', 'diagram: values on wires'], ['/', 'find a block, a signal, a picture, a parameter (also Ctrl K)'], ['O', 'lay a measurement over'], ['D', 'light or dark'], ['?', 'this list'],
   ];
   let playing = false, speed = 1, before = 0, single = true;
@@ -19,7 +19,7 @@
 
   const timeline = () => {
     const foot = document.getElementById('timeline');
-    if (!foot || !R.data.panels.length) return;
+    if (!foot || (!R.data.panels.length && !R.data.space)) return;
     play = R.make('button', { type: 'button', title: 'Play or stop (Space)', 'aria-label': 'Play' }, '▶');
     play.addEventListener('click', toggle);
     slider = R.make('input', { type: 'range', min: '0', max: '1000', step: 'any', value: '0', 'aria-label': 'Time' });
@@ -148,6 +148,8 @@
     const m = /** @type {any} */ (window).__m;
     m.unpacked = performance.now();
     R.guarded('The scopes', R.Plots.build);
+    // A page without scopes goes over the time of its movement.
+    if (!R.data.panels.length && R.data.space) R.guarded('The time', () => { const time = R.list(R.data.space.time); R.span = [time[0], Math.max(time[time.length - 1], time[0] + 1e-9)]; });
     R.guarded('The measurements', R.Overlay.build);
     R.guarded('The time line', timeline);
     R.guarded('The table', R.Readings.build);

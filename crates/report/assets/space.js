@@ -23,6 +23,12 @@ R.view = ({ camera: C, id, count, films, pause }) => {
   /** @type {any} */ let alarm = null;
   /** @type {{shape: any, mesh: any, local: Float64Array}[]} */ let parts = [];
   /** One line for each part of the time. @type {number[][]} */ let path = [];
+  /** How long the pieces of each line take, s; lines by their speed, once they are drawn; and what they mean. @type {number[][]} */ let lasting = [];
+  /** @type {{classes: number[][], most: number}|null} */ let speeds = null;
+  /** @type {any} */ let efforts = null;
+  /** @type {any} */ let table = null;
+  /** @type {any} */ let legend = null;
+  /** What the legend was made for. */ let legends = '';
   /** @type {Record<string, any>} */ const shown = {};
   /** A pose that is shown instead of that at the present time, one number for each position. @type {ArrayLike<number>|null} */ let held = null;
   /** What else is drawn, over everything. @type {((pen: any, here: Float64Array[]) => void)[]} */ const layers = [];
@@ -71,25 +77,31 @@ R.view = ({ camera: C, id, count, films, pause }) => {
     pen.lines(floor, ground, [...rgb('grid'), 1]);
     large.forEach((line, n) => pen.lines(line, one, AXES[n]));
     const here = held ? S.poses(scene, position) : poses(false);
-    if (shown.path.checked) {
+    if (shown.path.checked && shown.speed.checked) R.Speed.draw(pen, bySpeed().classes, one);
+    else if (shown.path.checked) {
       const t = Math.max(R.now, data.time[0]), now = (data.parts ?? []).reduce((/** @type {number} */ last, /** @type {number} */ begin, /** @type {number} */ n) => begin <= t + 1e-9 ? n : last, 0);
       path.forEach((line, n) => line.length && pen.lines(line, one, [...rgb(path.length > 1 && n === now ? 's2' : 's1'), 1]));
     }
     for (const { shape, mesh, local } of parts) pen.solid(mesh, S.times(here[shape.body], local), [...(shape.colour?.slice(0, 3) ?? (shape.around ? AROUND : LINKS[Math.min(shape.body, 6)])), 1]);
-    if (data.set && shown.ghost.checked) {
-      const there = poses(true);
+    /** @param {Float64Array[]} there @param {string} colour */
+    const ghost = (there, colour) => {
       // What is where it should be would only cover itself.
       const apart = here.map((/** @type {Float64Array} */ at, /** @type {number} */ n) => at.some((x, k) => Math.abs(x - there[n][k]) > 4e-3));
-      for (const { shape, mesh, local } of parts) if (apart[shape.body]) pen.solid(mesh, S.times(there[shape.body], local), [...rgb('s5'), 0.3]);
-    }
+      for (const { shape, mesh, local } of parts) if (apart[shape.body]) pen.solid(mesh, S.times(there[shape.body], local), [...rgb(colour), 0.3]);
+    };
+    if (data.set && shown.ghost.checked) ghost(poses(true), 's5');
+    if (data.begin && shown.begin.checked) ghost(S.poses(scene, (/** @type {number} */ n) => data.begin[n]), 's2');
     pen.through();
     if (shown.frames.checked) {
       for (const f of scene.frames) small.forEach((line, n) => pen.lines(line, S.times(here[f.body], f.matrix), AXES[n]));
       for (const at of here.slice(1)) small.forEach((line, n) => pen.lines(line, at, AXES[n]));
     }
     if (shown.masses.checked) for (const mass of scene.masses) pen.solid(ball, S.times(here[mass.body], S.placed({ translation: mass.com, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] })), [...rgb('alarm'), 1]);
+    if (efforts && shown.torque.checked) efforts.draw(pen, here, data.time, (/** @type {number} */ n) => rgb(`s${n % 6 + 1}`));
     for (const draw of layers) draw(pen, here);
     const at = toolAt(here);
+    explain();
+    if (shown.table.checked) table.tell(told);
     alarm.textContent = touches(R.now).map((/** @type {Contact} */ [, , one, other]) => `${one} touches ${other}`).join('\n');
     pose.textContent = at ? `${tool ? tool.name : scene.bodies[scene.bodies.length - 1].name}\nx ${(at[12] * 1000).toFixed(1)} mm\ny ${(at[13] * 1000).toFixed(1)} mm\nz ${(at[14] * 1000).toFixed(1)} mm` : '';
     frame++;
@@ -105,10 +117,30 @@ R.view = ({ camera: C, id, count, films, pause }) => {
     if (left > 0) setTimeout(() => requestAnimationFrame(paint), left); else requestAnimationFrame(paint);
   };
 
+  /** The path by its speed, which is worked out when somebody looks. */
+  const bySpeed = () => speeds ??= R.Speed.sorted(path, lasting);
+  /** What colours and arcs mean, where they are shown. */
+  const explain = () => {
+    const colours = shown.path.checked && shown.speed.checked && bySpeed().most > 0, arcs = Boolean(efforts) && shown.torque.checked;
+    const key = `${colours ? `${bySpeed().most} ${R.colour('ground')}` : ''} ${arcs}`;
+    if (key === legends) return;
+    legends = key;
+    const pieces = lasting.flat();
+    legend.replaceChildren(...(colours ? [R.Speed.legend(bySpeed().most, Math.max(...pieces))] : []), ...(arcs ? [efforts.legend()] : []));
+    legend.hidden = !colours && !arcs;
+  };
+  /** The pose that is shown, for the tables. */
+  const told = () => {
+    const here = held ? S.poses(scene, position) : poses(false), there = data.set ? poses(true) : null, t = Math.min(Math.max(R.now, data.time[0]), data.time[data.time.length - 1]);
+    return { t, tool: toolAt(here), setTool: there && toolAt(there), position, setPosition: (/** @type {number} */ n) => R.at(data.time, data.set[n], t), effort: (/** @type {number} */ n) => efforts.value(n, data.time, t) };
+  };
+
   /** Way of the tool over the whole time, as lines short enough for one buffer each: one for each part. */
   const trace = () => {
     const [first, last] = [data.time[0], data.time[data.time.length - 1]];
     /** @type {number[]} */ const begins = data.parts?.length ? data.parts : [first];
+    speeds = null;
+    lasting = [];
     path = begins.map((begin, n) => {
       const end = begins[n + 1] ?? last, steps = Math.min(600, Math.ceil(data.time.length / begins.length));
       /** @type {number[]} */ const line = [];
@@ -118,14 +150,28 @@ R.view = ({ camera: C, id, count, films, pause }) => {
         if (before) line.push(...before, ...here);
         before = here;
       }
+      lasting.push(Array(line.length / 6).fill((end - begin) / Math.max(steps - 1, 1)));
       return line;
     });
+  };
+  /** The path of a movement that grows: points at even distances in time, of which those that are known stay. @type {number[][]} */ let points = [];
+  /** The past that they are of. */ let known = 0;
+  const lengthen = () => {
+    const { time } = data, [first, last] = [time[0], time[time.length - 1]], pitch = (R.span[1] - R.span[0]) / 600;
+    if (!(pitch > 0) || !points.length || points[0][3] !== first || points[0][4] !== pitch) points = [];
+    while (points.length && points[points.length - 1][3] > last) points.pop();
+    const add = (/** @type {number} */ t) => { const at = toolAt(poses(false, t)); return [at[12], at[13], at[14], t, pitch]; };
+    for (let t = first + points.length * pitch; t <= last; t = first + points.length * pitch) points.push(add(t));
+    const all = [...points, add(last)];
+    path = [all.slice(1).flatMap((point, n) => [...all[n].slice(0, 3), ...point.slice(0, 3)])];
+    lasting = [all.slice(1).map((point, n) => point[3] - all[n][3])];
+    speeds = null;
   };
   /** The path of a movement that has grown; what has left the picture is brought back, unless somebody has chosen what to see. */
   const follow = () => {
     stale = false;
     traced = performance.now();
-    trace();
+    lengthen();
     if (!chosen && isOut()) fit();
   };
   /** Whether a part of the mechanism is beyond the edge of the picture. */
@@ -179,7 +225,7 @@ R.view = ({ camera: C, id, count, films, pause }) => {
     if (!place || !data) return;
     place.classList.add('space-view');
     scene = data.scene;
-    [stale, chosen, held] = [false, false, null];
+    [stale, chosen, held, points] = [false, false, null, []];
     const list = (/** @type {any} */ given) => ArrayBuffer.isView(given) ? given : R.list(given);
     data.time = list(data.time);
     data.positions = data.positions.map(list);
@@ -208,13 +254,29 @@ R.view = ({ camera: C, id, count, films, pause }) => {
       shown[key].addEventListener('change', ask);
       return R.make('label', {}, shown[key], ' ', name);
     };
+    /** What a ghost is, with its colour. @param {string} key @param {string} name @param {string} colour */
+    const ghostly = (key, name, colour) => {
+      const label = toggle(key, name, true), mark = R.make('i', { class: 'ghost-mark' });
+      mark.style.background = `var(--${colour})`;
+      label.append(' ', mark);
+      return label;
+    };
     const views = Object.entries(C.VIEWS).map(([number, [, , name]]) => {
       const button = R.make('button', { type: 'button', title: `View from: ${name}${hint(number)}` }, name);
       button.addEventListener('click', () => look(number));
       return button;
     });
-    const switches = [toggle('ghost', `set value${hint('G')}`, true), toggle('path', `path${hint('P')}`, true), toggle('frames', `frames${hint('M')}`, false), toggle('masses', `centres of mass${hint('C')}`, false)];
-    if (!data.set) switches[0].hidden = true;
+    const switches = [ghostly('ghost', `${data.begin ? 'target' : 'set value'}${hint('G')}`, 's5'), toggle('path', `path${hint('P')}`, true), toggle('speed', `speed${hint('S')}`, films && !document.body.classList.contains('studio')), toggle('torque', `torques${hint('E')}`, data.efforts?.length > 0), toggle('frames', `frames${hint('M')}`, false), toggle('masses', `centres of mass${hint('C')}`, false), toggle('table', `table${hint('J')}`, false)];
+    if (data.begin) switches.splice(0, 0, ghostly('begin', 'start', 's2'));
+    if (!data.set) shown.ghost.parentElement.hidden = true;
+    for (const effort of data.efforts ?? []) effort.values = list(effort.values);
+    efforts = data.efforts?.length ? R.efforts(scene, data.efforts) : null;
+    if (!efforts?.all.length) { efforts = null; shown.torque.parentElement.hidden = true; }
+    table = R.poseTable(scene, tool ? tool.name : scene.bodies[scene.bodies.length - 1].name, { set: Boolean(data.set), efforts });
+    table.place.hidden = true;
+    shown.table.addEventListener('change', () => { table.place.hidden = !shown.table.checked; });
+    legend = R.make('p', { class: 'note space-legend', hidden: '' });
+    legends = '';
     data.pen = R.Draw3d.webgl(canvas);
     if (!data.pen) {
       const blank = R.make('canvas', { tabindex: '0', 'aria-label': canvas.getAttribute('aria-label') });
@@ -226,7 +288,7 @@ R.view = ({ camera: C, id, count, films, pause }) => {
     document.documentElement.dataset.space = data.pen.name;
     const notes = [data.pen.name === 'WebGL' ? '' : 'No WebGL here: drawn as a wire frame.', left ? `Not shown: ${left === 1 ? 'one mesh' : `${left} meshes`}.` : ''].filter(Boolean).join(' ');
     const bar = R.make('div', { class: 'space-bar' }, ...views, ...switches, R.make('span', { class: 'note' }, notes));
-    place.append(bar, ...contacts(), canvas, pose, alarm);
+    place.append(bar, ...contacts(), legend, R.make('div', { class: 'stage' }, canvas, pose, alarm), table.place);
     if (films) R.Recorder.build(bar, bar);
     trace();
     fit();
@@ -265,26 +327,28 @@ R.view = ({ camera: C, id, count, films, pause }) => {
   };
 
   /** Another movement of the same mechanism. @param {Float64Array} time @param {Float64Array[]} positions @param {Float64Array[]} set
-   * @param {number[]} [parts] When its parts begin; the way of the present one has another colour. */
-  const renew = (time, positions, set, parts) => {
-    Object.assign(data, { time, positions, set, parts });
+   * @param {number[]} [parts] When its parts begin; the way of the present one has another colour. @param {number[]} [begin] The pose at the start, as another ghost. */
+  const renew = (time, positions, set, parts, begin) => {
+    Object.assign(data, { time, positions, set, parts, begin });
     trace();
     ask();
   };
-  /** The movement as far as it is known by now. @param {Float64Array} time @param {Float64Array[]} positions */
-  const grow = (time, positions) => {
-    Object.assign(data, { time, positions });
+  /** The movement as far as it is known by now. @param {Float64Array} time @param {Float64Array[]} positions @param {Float64Array[]} [set]
+   * @param {number} [past] Another one where what was known before counts no more. */
+  const grow = (time, positions, set, past = 0) => {
+    if (past !== known) [known, points] = [past, []];
+    Object.assign(data, { time, positions, ...(set ? { set } : {}) });
     stale = true;
     ask();
   };
 
   /** Shows a pose until another one is given, or nothing: then that at the present time. @param {ArrayLike<number>|null} pose */
   const hold = (pose) => { held = pose; ask(); };
-  const stage = () => ({ canvas, scene, parts });
+  const stage = () => ({ canvas, scene, parts, movement: data });
 
-  const flip = (/** @type {string} */ key) => () => { shown[key].checked = !shown[key].checked; ask(); };
+  const flip = (/** @type {string} */ key) => () => { if (!shown[key] || shown[key].parentElement.hidden) return; shown[key].click(); };
   /** @type {Record<string, () => void>} */
-  const keys = { g: flip('ghost'), p: flip('path'), m: flip('frames'), c: flip('masses'), f: () => { fit(); ask(); } };
+  const keys = { g: flip('ghost'), p: flip('path'), m: flip('frames'), c: flip('masses'), s: flip('speed'), e: flip('torque'), j: flip('table'), f: () => { fit(); ask(); } };
   for (const number of Object.keys(C.VIEWS)) keys[number] = () => look(number);
   return { build, renew, grow, fit, keys, poses, paint, ask, hold, position, layers, stage };
 };

@@ -41,12 +41,15 @@ pub const SCRIPTS: [Asset; 8] = [
 ];
 
 /// Scripts of the 3D view.
-pub const SPACE: [Asset; 6] = [
+pub const SPACE: [Asset; 9] = [
     asset!("shapes.js"),
     asset!("meshes.js"),
     asset!("draw3d.js"),
     asset!("camera.js"),
     asset!("record.js"),
+    asset!("speed.js"),
+    asset!("efforts.js"),
+    asset!("poses.js"),
     asset!("space.js"),
 ];
 

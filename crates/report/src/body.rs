@@ -45,7 +45,9 @@ pub fn body(report: &Report, thinned: bool) -> String {
     if report.animation.is_some() {
         out.push_str("<section id=\"space\"><h2>3D</h2><div id=\"space-view\"></div></section>\n");
     }
-    if report.panels.is_empty() {
+    if report.has_no_scopes {
+        // Nobody misses them.
+    } else if report.panels.is_empty() {
         out.push_str("<p class=\"note\">The run has no signals to show.</p>\n");
     } else {
         out.push_str("<section id=\"scopes\"><h2>Scopes</h2>\n");

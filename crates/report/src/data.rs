@@ -37,6 +37,8 @@ pub struct Report {
     pub compared: Option<Compared>,
     /// Whether all values are kept.
     pub full: bool,
+    /// Whether pictures over time were left out on request.
+    pub has_no_scopes: bool,
 }
 
 /// A picture of one signal over another, which does not change.
@@ -263,12 +265,27 @@ pub struct Animation {
     pub positions: Vec<Vec<f64>>,
     /// The same of the set values; where a joint has none, its position.
     pub set: Option<Vec<Vec<f64>>>,
+    /// What the actuators exert on joints.
+    pub efforts: Vec<Effort>,
     /// Meshes; a shape names the one it has by its number, `"surface": 0`.
     pub surfaces: Vec<Surface>,
     /// When what touches, by time.
     pub contacts: Vec<Contact>,
     /// Names of what is not looked at for contacts, because it is a mesh.
     pub unlooked: Vec<String>,
+}
+
+/// What the actuators of a joint exert on its body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Effort {
+    /// The body, as the scene numbers it.
+    pub body: usize,
+    /// The recorded signal.
+    pub signal: String,
+    /// Torque about the axis of the joint, N·m, or force along it, N, at the times of the movement.
+    pub values: Vec<f64>,
+    /// Its largest magnitude in the whole run.
+    pub largest: f64,
 }
 
 /// Two parts that touch each other for a while.

@@ -22,8 +22,8 @@ mod thin;
 pub use assets::{Asset, DIAGRAM, MAIN, SCRIPTS, SPACE, STYLES, VENDORED, Vendored};
 pub use corridor::{Few, few};
 pub use data::{
-    Animation, Compared, Contact, Diagram, Drawing, Event, Inspected, Kind, Level, Net, Overlay, Panel,
-    PlanePicture, PortPlace, Probe, Report, Role, Rows, Series, Unseen,
+    Animation, Compared, Contact, Diagram, Drawing, Effort, Event, Inspected, Kind, Level, Net, Overlay,
+    Panel, PlanePicture, PortPlace, Probe, Report, Role, Rows, Series, Unseen,
 };
 pub use diagram::texts;
 pub use escape::escape;

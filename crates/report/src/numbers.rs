@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::data::{Animation, Contact, Panel, Role, Series};
+use crate::data::{Animation, Contact, Effort, Panel, Role, Series};
 use crate::pack::Pack;
 use crate::thin;
 
@@ -85,6 +85,13 @@ pub fn movement(animation: &Animation, pack: &mut Pack) -> Value {
     let positions: Vec<Value> = animation.positions.iter().map(|values| pack.narrow(&pick(values))).collect();
     let set: Option<Vec<Value>> =
         animation.set.as_ref().map(|set| set.iter().map(|values| pack.narrow(&pick(values))).collect());
+    let effort = |effort: &Effort, pack: &mut Pack| {
+        json!({
+            "body": effort.body, "signal": effort.signal, "largest": effort.largest,
+            "values": pack.narrow(&pick(&effort.values)),
+        })
+    };
+    let efforts: Vec<Value> = animation.efforts.iter().map(|one| effort(one, pack)).collect();
     let surfaces: Vec<Value> = animation.surfaces.iter().map(|surface| surface.data(pack)).collect();
     let contact = |contact: &Contact| {
         json!([contact.from, contact.to, contact.names[0], contact.names[1], contact.depth])
@@ -92,7 +99,7 @@ pub fn movement(animation: &Animation, pack: &mut Pack) -> Value {
     let contacts: Vec<Value> = animation.contacts.iter().map(contact).collect();
     json!({
         "scene": animation.scene, "contacts": contacts, "unlooked": animation.unlooked, "time": time, "positions": positions, "set": set,
-        "surfaces": surfaces,
+        "surfaces": surfaces, "efforts": efforts,
     })
 }
 

@@ -11,5 +11,5 @@ mod scene;
 mod shape;
 
 pub use read::shapes;
-pub use scene::{Mass, Motion, Scene, SceneBody, SceneFrame, SceneShape};
+pub use scene::{Actuator, Mass, Motion, Scene, SceneBody, SceneFrame, SceneShape};
 pub use shape::{Form, Purpose, Shape};

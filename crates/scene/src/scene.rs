@@ -18,6 +18,18 @@ pub struct Scene {
     pub masses: Vec<Mass>,
     /// Named frames on them.
     pub frames: Vec<SceneFrame>,
+    /// What drives their joints, as far as it is recorded.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub actuators: Vec<Actuator>,
+}
+
+/// What the actuators of a joint exert on its body: a recorded signal.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Actuator {
+    /// Index of the body that the joint moves.
+    pub body: usize,
+    /// The signal: torque about the axis of the joint, N·m, or force along it, N.
+    pub signal: String,
 }
 
 /// A body and the joint that moves it. With the joint at zero the body is at `place` in its parent.
@@ -142,7 +154,13 @@ impl Scene {
             motion: Motion::Fixed,
             start: Vec::new(),
         };
-        Scene { bodies: vec![world], shapes: Vec::new(), masses: Vec::new(), frames: Vec::new() }
+        Scene {
+            bodies: vec![world],
+            shapes: Vec::new(),
+            masses: Vec::new(),
+            frames: Vec::new(),
+            actuators: Vec::new(),
+        }
     }
 
     /// Names of the signals that tell where everything is, in the order of [`Scene::poses`].
@@ -185,7 +203,9 @@ impl Scene {
             }
         }
         let on = self.shapes.iter().map(|shape| shape.body).chain(self.masses.iter().map(|mass| mass.body));
-        let mut on = on.chain(self.frames.iter().map(|frame| frame.body));
+        let mut on = on
+            .chain(self.frames.iter().map(|frame| frame.body))
+            .chain(self.actuators.iter().map(|actuator| actuator.body));
         on.find(|body| *body >= self.bodies.len()).map(|body| format!("there is no body {body}"))
     }
 
@@ -200,6 +220,8 @@ impl Scene {
         self.masses.extend(other.masses.into_iter().map(|mass| Mass { body: moved(mass.body), ..mass }));
         self.frames
             .extend(other.frames.into_iter().map(|frame| SceneFrame { body: moved(frame.body), ..frame }));
+        let actuators = other.actuators.into_iter();
+        self.actuators.extend(actuators.map(|one| Actuator { body: moved(one.body), ..one }));
     }
 }
 

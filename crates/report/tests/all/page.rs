@@ -73,6 +73,7 @@ fn mechanism() -> Animation {
         set: Some(vec![angle.iter().map(|q| q + 0.1).collect()]),
         time,
         positions: vec![angle],
+        efforts: Vec::new(),
         surfaces: vec![tetrahedron()],
         contacts: vec![Contact {
             from: 1.0,

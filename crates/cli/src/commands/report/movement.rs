@@ -5,7 +5,8 @@ use std::path::Path;
 use blocksim_analysis::{Interpolation, Series};
 use blocksim_blocks::robotics::Surroundings;
 use blocksim_recording::{ALWAYS, Column, Run};
-use blocksim_report::{Animation, Contact};
+use blocksim_report::{Animation, Contact, Effort};
+use serde_json::Value;
 
 use super::meshes::{MeshSources, surfaces};
 use super::numbers::readable;
@@ -31,6 +32,7 @@ pub fn read(
     let Some(mut scene) = scene(folder)? else { return Ok(None) };
     let Some(movement) = movement(run, &scene)? else { return Ok(None) };
     let set = set_values(run, &movement);
+    let efforts = efforts(run, &scene, &movement)?;
     let mechanism = mechanism(&scene).ok();
     let of_run = scene["shapes"].as_array().map_or(0, Vec::len);
     surroundings::draw(around, &mut scene);
@@ -45,7 +47,7 @@ pub fn read(
         unlooked = check.unchecked().to_vec();
     }
     let Movement { time, positions } = movement;
-    Ok(Some(Animation { scene, surfaces, time, positions, set, contacts, unlooked }))
+    Ok(Some(Animation { scene, surfaces, time, positions, set, efforts, contacts, unlooked }))
 }
 
 fn contact(found: blocksim_collision::Contact) -> Contact {
@@ -89,6 +91,23 @@ fn set_values(run: &Run, movement: &Movement) -> Option<Vec<Vec<f64>>> {
         return None;
     }
     Some(found.into_iter().zip(positions).map(|(set, here)| set.unwrap_or_else(|| here.clone())).collect())
+}
+
+/// What the actuators of the joints exert, as far as the scene names signals for it.
+fn efforts(run: &Run, scene: &Value, movement: &Movement) -> Result<Vec<Effort>, String> {
+    let Some(list) = scene["actuators"].as_array() else { return Ok(Vec::new()) };
+    let read = |one: &Value| {
+        let body = one["body"].as_u64().and_then(|body| usize::try_from(body).ok());
+        let (Some(body), Some(signal)) = (body, one["signal"].as_str()) else {
+            return Err("an actuator of scene.json has no body or no signal".to_owned());
+        };
+        let at = run.find(signal).map_err(|_| format!("the run has no signal `{signal}`"))?;
+        let column = run.read(at, &ALWAYS).map_err(|error| error.reason())?;
+        let finite = column.values.iter().filter(|x| x.is_finite());
+        let largest = finite.fold(0.0_f64, |most, x| most.max(x.abs()));
+        Ok(Effort { body, signal: signal.to_owned(), values: at_times(&column, &movement.time), largest })
+    };
+    list.iter().map(read).collect()
 }
 
 /// The values of a signal at these times, behind its jumps.

@@ -55,7 +55,9 @@ pub fn keep_and_tell(
         _ => Csv::Sensibly,
     };
     let log = log(&report, &loaded);
-    let rest = Rest { csv, events: &events, log: &log, manifest: &manifest, scene: loaded.scene() };
+    let kept = selection.sources.iter().map(|at| &schedule.recorded[*at]);
+    let scene = loaded.scene().map(|scene| scene::with_actuators(scene, &schedule, kept));
+    let rest = Rest { csv, events: &events, log: &log, manifest: &manifest, scene: scene.as_ref() };
     let partial = folder.partial_path().to_owned();
     let Kept { folder: place, untold } = match keep(folder, &run, rest) {
         Ok(kept) => kept,

@@ -9,6 +9,7 @@ mod joints;
 mod movement;
 mod panel;
 mod plugins;
+mod results;
 mod sequences;
 mod sheets;
 mod tabs;

@@ -18,12 +18,12 @@ fn tool(page: &mut Page, view: &str, place: &str, t: f64) -> [f64; 3] {
 }
 
 /// What the page complains about, but for what the browser has to say of graphics without a card.
-fn complaints(page: &Page) -> Vec<&String> {
+pub fn complaints(page: &Page) -> Vec<&String> {
     page.complaints.iter().filter(|one| !one.contains("\"source\":\"rendering\"")).collect()
 }
 
 /// Signals of a run over time: the row at or behind an instant.
-fn row(table: &str, t: f64, names: &[&str]) -> Vec<f64> {
+pub fn row(table: &str, t: f64, names: &[&str]) -> Vec<f64> {
     let mut lines = table.lines();
     let heads: Vec<&str> = lines.next().expect("a head").split(',').collect();
     let places =
