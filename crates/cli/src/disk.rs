@@ -107,6 +107,14 @@ pub fn readable(model: &Path) -> Result<(), Failure> {
 /// # Errors
 /// What the system says.
 pub fn text_files(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    files_of(folder, &["ron"])
+}
+
+/// The same for files with any of these endings.
+///
+/// # Errors
+/// What the system says.
+pub fn files_of(folder: &Path, endings: &[&str]) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
@@ -120,7 +128,7 @@ pub fn text_files(folder: &Path) -> io::Result<Vec<PathBuf>> {
             if kind.is_dir() && is_ours {
                 folders.push(path);
             } else if !kind.is_dir()
-                && path.extension().is_some_and(|ending| ending == "ron")
+                && path.extension().is_some_and(|ending| endings.iter().any(|known| ending == *known))
                 && path.is_file()
             {
                 files.push(path);

@@ -29,6 +29,50 @@ pub struct Foreign {
     pub remarks: Vec<String>,
 }
 
+/// How a table of another program begins, as its file has it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Beginning {
+    /// What stands between columns.
+    pub delimiter: char,
+    /// What stands before decimals, as far as the lines that were read have any.
+    pub decimal: Option<char>,
+    /// Name and unit of each column, as the first line has them.
+    pub headings: Vec<(String, Option<String>)>,
+    /// Which column is most likely the time.
+    pub time: Option<usize>,
+    /// The lines below.
+    pub lines: Vec<Vec<String>>,
+}
+
+/// Reads the first `count` lines of a table below its headings, whatever they say.
+///
+/// # Errors
+/// [`ResultsError`] where the file cannot be read, or is no table.
+pub fn beginning(path: &Path, count: usize) -> Result<Beginning, ResultsError> {
+    let file = open_regular(path).map_err(|error| ResultsError::io("read", path, error))?;
+    let read = || {
+        let mut records = Records::of_any_delimiter(BufReader::new(file), ReadLimits::default().line);
+        if !records.advance()? {
+            return Err(records.error(None, "the file is empty; the first line must name the columns"));
+        }
+        let headings: Vec<ForeignColumn> = records.fields().iter().map(|heading| column(heading)).collect();
+        let mut lines = Vec::new();
+        while lines.len() < count && records.advance()? {
+            lines.push(records.fields().iter().map(|field| printable(field)).collect::<Vec<String>>());
+        }
+        let delimiter = records.delimiter();
+        let has = |sign: char| {
+            let mut numbers = lines.iter().flatten().filter(|field| is_number(field));
+            numbers.any(|field| field.contains(sign))
+        };
+        let decimal = if delimiter != ',' && has(',') { Some(',') } else { Some('.').filter(|_| has('.')) };
+        let time = time_column(&headings, &[]).ok();
+        let headings = headings.into_iter().map(|column| (column.name, column.unit)).collect();
+        Ok(Beginning { delimiter, decimal, headings, time, lines })
+    };
+    read().map_err(|source| ResultsError::Csv { path: path.to_owned(), source })
+}
+
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ForeignColumn {

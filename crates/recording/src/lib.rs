@@ -26,7 +26,7 @@ mod titles;
 pub use csv::{ReadLimits, read_csv, read_csv_file, read_events};
 pub use csv_write::{write_events, write_headings, write_rows, write_signals};
 pub use error::{CsvError, RecordingError, ResultsError};
-pub use foreign::{Foreign, ForeignColumn, read_foreign, read_foreign_file};
+pub use foreign::{Beginning, Foreign, ForeignColumn, beginning, read_foreign, read_foreign_file};
 pub use history::{Kept, history, locate};
 pub use manifest::{
     BaseUsed, Choice, Counts, Ended, FileUsed, Manifest, Override, Program, RecordedUsed, SolverUsed,

@@ -1,7 +1,7 @@
 // @ts-check
 'use strict';
 // Measurements over the pictures: from the page's data, or from a CSV file that is dropped on it.
-/* global R */
+/* global R, uPlot */
 
 R.Overlay = (() => {
   /** @type {{name: string, file: string, time: Float64Array, values: Float64Array, unit: string, panel: number, factor: number, shift: number}[]} */
@@ -70,7 +70,8 @@ R.Overlay = (() => {
     const wanted = key(name), digits = /(\d+)/.exec(name)?.[1];
     const fits = (/** @type {any} */ p) => !unit || !p.unit || plain(unit) === plain(p.unit) || factor(unit, p.unit) !== 1;
     const all = R.data.panels.map((/** @type {any} */ p) => fits(p) ? p : { title: '', series: [], pair: null });
-    let found = all.findIndex((/** @type {any} */ p) => p.series.some((/** @type {any} */ s) => key(s.path) === wanted));
+    let found = all.findIndex((/** @type {any} */ p) => p.series.some((/** @type {any} */ s) => s.path === name));
+    if (found < 0) found = all.findIndex((/** @type {any} */ p) => p.series.some((/** @type {any} */ s) => key(s.path) === wanted));
     if (found < 0) found = all.findIndex((/** @type {any} */ p) => key(p.title) === wanted || p.series.some((/** @type {any} */ s) => key(s.name) === wanted));
     if (found < 0 && digits && /^(q|a|axis|joint|angle|j)/i.test(name)) found = all.findIndex((/** @type {any} */ p) => p.pair && /(\d+)\D*$/.exec(p.title)?.[1] === digits);
     return found;
@@ -81,6 +82,21 @@ R.Overlay = (() => {
     const panel = meant(name, unit);
     courses.push({ name, file, time, values, unit, panel, factor: panel < 0 ? 1 : factor(unit, R.data.panels[panel].unit), shift: 0 });
   };
+
+  /** Range of values of a picture that has courses over it, of those at the times that are shown. @param {any} panel @param {number|null} low @param {number|null} high */
+  const reach = (panel, low, high) => {
+    const [from, to] = R.Plots.range(), at = courses.length ? R.data.panels.indexOf(panel) : -1;
+    let [min, max] = [low ?? Infinity, high ?? -Infinity];
+    for (const { time, values, shift, factor } of at < 0 ? [] : courses.filter((course) => course.panel === at)) {
+      for (let n = 0; n < time.length; n++) {
+        const t = time[n] + shift, y = values[n] * factor;
+        if (t >= from && t <= to && Number.isFinite(y)) { if (y < min) min = y; if (y > max) max = y; }
+      }
+    }
+    return min <= max ? uPlot.rangeNum(min, max, 0.1, true) : [null, null];
+  };
+  /** Draws all anew, with ranges that hold what has come. */
+  const again = () => { R.Plots.show(...R.Plots.range()); R.Plots.redraw(); };
 
   /** Draws what belongs to a picture. @param {any} u @param {any} panel @param {boolean} main */
   const draw = (u, panel, main) => {
@@ -125,14 +141,14 @@ R.Overlay = (() => {
       const choice = R.make('select', { 'aria-label': `picture for ${course.name}` }, R.make('option', { value: '-1' }, 'nowhere'),
         ...R.data.panels.map((/** @type {any} */ p, /** @type {number} */ at) => R.make('option', { value: String(at) }, p.title)));
       choice.value = String(course.panel);
-      choice.addEventListener('change', () => { course.panel = Number(choice.value); course.factor = course.panel < 0 ? 1 : factor(course.unit, R.data.panels[course.panel].unit); bar(); R.Plots.redraw(); });
+      choice.addEventListener('change', () => { course.panel = Number(choice.value); course.factor = course.panel < 0 ? 1 : factor(course.unit, R.data.panels[course.panel].unit); bar(); again(); });
       const field = (/** @type {'factor'|'shift'} */ key, /** @type {string} */ title) => {
         const entry = R.make('input', { value: String(course[key]), size: '6', inputmode: 'decimal', 'aria-label': `${title} of ${course.name}` });
-        entry.addEventListener('change', () => { const x = number(entry.value, true); if (Number.isFinite(x)) course[key] = x; entry.value = String(course[key]); R.Plots.redraw(); });
+        entry.addEventListener('change', () => { const x = number(entry.value, true); if (Number.isFinite(x)) course[key] = x; entry.value = String(course[key]); again(); });
         return R.make('label', {}, ` ${title} `, entry);
       };
       const gone = R.make('button', { type: 'button', 'aria-label': `take ${course.name} away` }, '×');
-      gone.addEventListener('click', () => { courses.splice(n, 1); bar(); R.Plots.redraw(); });
+      gone.addEventListener('click', () => { courses.splice(n, 1); bar(); again(); });
       return R.make('li', {}, R.make('b', {}, course.name), ` ${course.unit ? `[${course.unit}] ` : ''}of ${course.file} in `, choice, field('factor', 'times'), field('shift', 'later by [s]'), ' ', gone);
     });
     place.replaceChildren(button, input, ...(list.length ? [R.make('ul', { class: 'courses' }, ...list)] : []));
@@ -148,7 +164,7 @@ R.Overlay = (() => {
       });
     }
     bar();
-    R.Plots.redraw();
+    again();
   };
 
   const build = () => {
@@ -157,8 +173,9 @@ R.Overlay = (() => {
       for (const column of overlay.columns) add(overlay.name, column.name, column.unit, time, R.list(column.values));
     }
     bar();
+    if (courses.length) again();
     document.addEventListener('dragover', (event) => event.preventDefault());
     document.addEventListener('drop', (event) => { event.preventDefault(); take(event.dataTransfer?.files ?? null); });
   };
-  return { build, draw, read, courses };
+  return { build, draw, reach, read, courses };
 })();

@@ -55,7 +55,7 @@ R.Picture = (() => {
   const plot = (panel, drawn, columns, place, height, last) => {
     const u = new uPlot({
       width: Math.max(place.clientWidth, 280), height, legend: { show: false }, padding: [8, 20, 0, 0],
-      scales: { x: { time: false }, ...(panel.reach && height > 100 ? { y: { range: (/** @type {any} */ _, /** @type {number|null} */ low, /** @type {number|null} */ high) => panel.reach(low, high) } } : {}) },
+      scales: { x: { time: false }, ...(height > 100 ? { y: { range: (/** @type {any} */ _, /** @type {number|null} */ low, /** @type {number|null} */ high) => panel.reach ? panel.reach(low, high) : R.Overlay.reach(panel, low, high) } } : {}) },
       cursor: { sync: { key: 'time', setSeries: false }, drag: { x: true, y: false }, points: { size: 6 }, bind: { mousedown: pressed } },
       series: [{}, ...drawn],
       axes: [
@@ -76,6 +76,8 @@ R.Picture = (() => {
         draw: [(/** @type {any} */ self) => R.Overlay.draw(self, panel, height > 100)],
       },
     }, columns, place);
+    // Its place keeps its height where the browser leaves out what is out of sight.
+    place.style.containIntrinsicSize = `auto ${height}px`;
     // On paper four rows of pictures share a page.
     u.heights = { screen: height, paper: Math.round(height * (height > 100 ? 0.56 : 0.68)) };
     u.lines = ['a', 'b', 'now'].map((name) => {

@@ -9,7 +9,7 @@ macro_rules! own {
 }
 
 /// Scripts of the studio, in their order behind those of the page of a run.
-pub(crate) const OWN: [Asset; 20] = [
+pub(crate) const OWN: [Asset; 21] = [
     own!("stream.js"),
     own!("desk.js"),
     own!("project.js"),
@@ -23,6 +23,7 @@ pub(crate) const OWN: [Asset; 20] = [
     own!("motion.js"),
     own!("edit.js"),
     own!("text.js"),
+    own!("measured.js"),
     own!("runs.js"),
     own!("charts.js"),
     own!("linear.js"),

@@ -7,7 +7,7 @@ use std::time::Duration;
 /// Longest head of a request, bytes.
 const HEAD: usize = 32 << 10;
 /// Longest body, bytes.
-const BODY: usize = 1 << 20;
+const BODY: usize = 16 << 20;
 /// Most headers.
 const HEADERS: usize = 64;
 /// How long a browser may take to send its request, or to read on.

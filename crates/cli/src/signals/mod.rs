@@ -4,6 +4,7 @@ pub mod charts;
 pub mod differences;
 pub mod display;
 pub mod headings;
+pub mod measured;
 pub mod naming;
 pub mod other;
 pub mod traces;

@@ -9,6 +9,7 @@ mod movement;
 mod numbers;
 mod other_signals;
 mod pictures;
+mod sections;
 mod source_text;
 mod tables;
 mod titles;
@@ -24,11 +25,12 @@ use blocksim_recording::{ResultsError, Run, locate, read_foreign_file, write_who
 use blocksim_report::{BUDGET, Event, Overlay, Report, html};
 
 use self::titles::Titles;
-use crate::args::report::ReportArgs;
+use crate::args::report::{ReportArgs, Section};
 use crate::args::values::RUNS;
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::mechanism::surroundings;
+use crate::signals::measured;
 use crate::signals::traces::{Book, Mapping};
 use crate::terminal::browser;
 use crate::terminal::console::Console;
@@ -66,9 +68,8 @@ pub fn written(args: &ReportArgs, console: Console) -> Result<PathBuf, Failure> 
 ///
 /// # Errors
 /// What cannot be read.
-pub fn page(run: &Path, console: Console) -> Result<String, Failure> {
-    let args = ReportArgs::of(run.display().to_string());
-    Ok(html(&gathered(&args, run, &[], console)?))
+pub fn page(args: &ReportArgs, console: Console) -> Result<String, Failure> {
+    Ok(html(&gathered(args, Path::new(&args.run), &[], console)?))
 }
 
 /// Writes the page of a recording with another one beside it; returns its place. Its columns are named by `maps`.
@@ -148,12 +149,14 @@ fn target(args: &ReportArgs, run: &Path) -> Result<(PathBuf, String), Failure> {
 
 /// All that is shown.
 fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) -> Result<Report, Failure> {
+    sections::check(args)?;
     let book = Book::open(path, maps)?;
     let run = Run::open(path).map_err(|error| Failure::of_run(&error))?;
     let mut report = Report { full: args.full, title: book.name.clone(), ..Report::default() };
     if let Some(shortfall) = run.shortfall() {
         report.warnings.push(format!("This run is not whole: {shortfall}."));
     }
+    sections::tell(args, &mut report);
     facts::add(&run, path, &mut report);
     let books = [book];
     let text = run.manifest().and_then(|manifest| model::text(path, manifest, &mut report));
@@ -166,7 +169,7 @@ fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) 
     if let Some((model, (text, sources))) = model.as_ref().zip(known) {
         model::add(model, text, sources, &mut report);
     }
-    if !args.no_3d && path.is_dir() {
+    if args.has(Section::Space) && path.is_dir() {
         let around = around(args, known, &mut report)?;
         match movement::read(
             path,
@@ -191,17 +194,18 @@ fn gathered(args: &ReportArgs, path: &Path, maps: &[Mapping], console: Console) 
         }
         Err(error) => report.warnings.push(format!("The events cannot be read: {}.", error.reason())),
     }
-    let mut measured = 0;
+    let mut values = 0;
     for file in &args.overlay {
-        let overlay = overlay(file)?;
-        measured += overlay.time.len() * (overlay.columns.len() + 1);
-        if measured > MOST_MEASURED {
+        let overlay = overlay(file, &books[0], &mut report.warnings)?;
+        values += overlay.time.len() * (overlay.columns.len() + 1);
+        if values > MOST_MEASURED {
             let help = format!("leave columns or rows of `{}` away", file.display());
             let said = format!("the measurements have more than {MOST_MEASURED} values");
             return Err(Failure::unreadable(said).help(help));
         }
         report.overlays.push(overlay);
     }
+    sections::leave_out(args, &mut report);
     for warning in &report.warnings {
         console.say(&format!("warning: {warning}"));
     }
@@ -228,7 +232,20 @@ fn around(
     }
 }
 
-fn overlay(file: &Path) -> Result<Overlay, Failure> {
+/// A measurement over a run: a table, or a file that tells what its columns are. What of that does not fit the run is a warning.
+fn overlay(file: &Path, book: &Book, warnings: &mut Vec<String>) -> Result<Overlay, Failure> {
+    if file.extension().is_some_and(|ending| ending == "ron") {
+        let (assignment, folder) = measured::assignment(file)?;
+        let name = file.file_stem().unwrap_or_default().to_string_lossy();
+        let measurement = assignment.read(&folder, &name).map_err(|troubles| {
+            let trouble = troubles.into_iter().next();
+            let (message, help) = trouble.map(|one| (one.message, one.help)).unwrap_or_default();
+            Failure::unreadable(format!("`{}`: {message}", file.display())).help(help)
+        })?;
+        let (overlay, troubles) = measurement.beside(book);
+        warnings.extend(troubles.into_iter().map(|one| format!("The measurement {name}: {}.", one.message)));
+        return Ok(overlay);
+    }
     let table = read_foreign_file(file, &["time", "t"]).map_err(|error| Failure::of_run(&error))?;
     let factor = if table.time_unit.as_deref() == Some("ms") { 1e-3 } else { 1.0 };
     Ok(Overlay {

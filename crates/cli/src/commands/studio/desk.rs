@@ -6,13 +6,15 @@ use std::time::{Duration, Instant, SystemTime};
 
 use blocksim_edit::Learned;
 use blocksim_studio::{Desk, News, Reply};
+use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use super::analysis::Questions;
 use super::model::{self, Shown, place};
 use super::runner::Runner;
 use super::values::{Changes, list, refusal};
-use super::{edits, motion, name_of, plugins, project, sheets, texts};
+use super::{edits, measured, motion, name_of, plugins, project, sheets, texts};
+use crate::args::report::{ReportArgs, Section};
 use crate::args::values::RUNS;
 use crate::commands::compare::page_of_both;
 use crate::commands::report;
@@ -126,6 +128,12 @@ impl Studio {
             now.seen = times(&self.root, &now.model, &now.shown);
             self.tell(&now);
         }
+    }
+
+    /// What this program has written is whole: it is not waited for until it has kept still.
+    fn wrote(&self) {
+        let mut now = self.now();
+        now.seen = times(&self.root, &now.model, &now.shown);
     }
 
     fn now(&self) -> MutexGuard<'_, Now> {
@@ -281,18 +289,37 @@ fn times(root: &Path, model: &Path, shown: &Shown) -> Vec<Option<SystemTime>> {
 }
 
 /// The folder of a run by its name: one part of a path, so that nothing but a run can be named.
-fn run_folder(name: &str) -> Option<PathBuf> {
+pub fn run_folder(name: &str) -> Option<PathBuf> {
     let is_name =
         Path::new(name).components().count() == 1 && !name.contains(['/', '\\']) && !name.starts_with('.');
     let folder = Path::new(RUNS).join(name);
     (is_name && folder.is_dir()).then_some(folder)
 }
 
-/// Keeps the page of a run as a file in its folder. It is made of nothing but the run, so a new one replaces no work.
-fn keep_page(name: &str, console: Console) -> Reply {
-    let Some(folder) = run_folder(name) else { return Reply::Missing };
+/// Keeps the page of a run as a file in its folder, as `blocksim report` makes it with these options. It is made of nothing but the run
+/// and measurements, so a new one replaces no work.
+fn keep_page(root: &Path, body: &Value, console: Console) -> Reply {
+    let Some(folder) = run_folder(body["run"].as_str().unwrap_or_default()) else { return Reply::Missing };
     let file = folder.join(report::NAME);
-    let written = report::page(&folder, console)
+    let texts = |name: &str| {
+        body[name].as_array().into_iter().flatten().filter_map(Value::as_str).collect::<Vec<_>>()
+    };
+    let overlay = match measured::files(root, &texts("measured")) {
+        Ok(overlay) => overlay,
+        Err(refused) => return refused,
+    };
+    let sections: Result<Vec<Section>, String> =
+        texts("sections").into_iter().map(|name| Section::from_str(name, false)).collect();
+    let Ok(sections) = sections else { return Reply::refused("a section of this name does not exist", "") };
+    let author = body["author"].as_str().map(str::trim).filter(|name| !name.is_empty()).map(str::to_owned);
+    let args = ReportArgs {
+        full: body["full"] == true,
+        overlay,
+        sections,
+        author,
+        ..ReportArgs::of(folder.display().to_string())
+    };
+    let written = report::page(&args, console)
         .and_then(|page| write_file(&file, page.as_bytes(), true).map(|()| page.len()));
     match written {
         Ok(bytes) => Reply::Data(json!({ "file": file.display().to_string(), "bytes": bytes })),
@@ -316,6 +343,7 @@ impl Desk for Studio {
                 Reply::Data(motion::robot_of(&model, &scene))
             }
             "signals" => Reply::Data(self.now().shown.signals.clone()),
+            "measured" => Reply::Data(measured::list(&self.root, self.may_edit)),
             "runs" => Reply::Data(project::runs().into()),
             "plugins" => Reply::Data(plugins::list(&self.now().shown, self.may_edit)),
             "live" => self.runner.so_far(),
@@ -333,7 +361,7 @@ impl Desk for Studio {
 
     fn act(&self, path: &str, body: &Value) -> Reply {
         let model = self.now().model.clone();
-        match path {
+        let reply = match path {
             "run" => self.runner.start(&place(&self.root, &model), body),
             "control" => self.runner.control(body),
             "model" => self.choose(body),
@@ -343,7 +371,8 @@ impl Desk for Studio {
                 Reply::Data(json!({}))
             }
             "sweep" => self.sweeps.sweep(&place(&self.root, &model), body, &self.news),
-            "report" => keep_page(body["run"].as_str().unwrap_or_default(), self.console),
+            "report" => keep_page(&self.root, body, self.console),
+            "measured" => measured::look(&self.root, body),
             "plan" => motion::plan(&self.planner, &place(&self.root, &model), body),
             "kept" => motion::kept(&place(&self.root, &model), body["name"].as_str().unwrap_or_default()),
             "kinds" => edits::kinds(body),
@@ -355,7 +384,9 @@ impl Desk for Studio {
             "complete" => {
                 texts::completions(&self.root, &place(&self.root, &model), &self.files(), body, &self.learned)
             }
-            "set" | "undo" | "redo" | "keep" | "fix" | "edit" | "save" | "plugin" if !self.may_edit => {
+            "set" | "undo" | "redo" | "keep" | "fix" | "edit" | "save" | "plugin" | "measure" | "table"
+                if !self.may_edit =>
+            {
                 Reply::refused(
                     "this page may not change files",
                     "start it with `blocksim studio --edit`; `Run with it` needs no file",
@@ -367,19 +398,39 @@ impl Desk for Studio {
             }
             "keep" => self.keep(&model, body),
             "plugin" => plugins::make(&self.root, &place(&self.root, &model), body),
+            "measure" => measured::keep(&self.root, body),
+            "table" => measured::take(&self.root, body),
             "fix" => self.fix(body),
             "undo" => self.changes().undo(),
             "redo" => self.changes().redo(),
             "edit" => self.edit(&place(&self.root, &model), body),
             "save" => texts::save(&self.root, &self.files(), body, &mut self.changes()),
             _ => Reply::Missing,
+        };
+        if ["set", "fix", "undo", "redo", "keep", "save"].contains(&path) {
+            self.wrote();
         }
+        reply
     }
 
     fn run_page(&self, name: &str) -> Reply {
-        // Two names stand for a run with another one beside it.
+        // Names of measurements stand behind that of the run, and two names for a run with another one beside it.
+        let (name, measured) = match run_folder(name) {
+            Some(_) => (name, Vec::new()),
+            None => {
+                let mut parts = name.split('*');
+                (parts.next().unwrap_or_default(), parts.collect())
+            }
+        };
+        let overlay = match measured::files(&self.root, &measured) {
+            Ok(overlay) => overlay,
+            Err(refused) => return refused,
+        };
         let page = match name.split_once('~') {
-            None => run_folder(name).map(|folder| report::page(&folder, self.console)),
+            None => run_folder(name).map(|folder| {
+                let args = ReportArgs { overlay, ..ReportArgs::of(folder.display().to_string()) };
+                report::page(&args, self.console)
+            }),
             Some((name, other)) => run_folder(name).zip(run_folder(other)).map(|(folder, other)| {
                 let [folder, other] = [folder, other].map(|folder| folder.display().to_string());
                 page_of_both(&folder, &other, self.console)

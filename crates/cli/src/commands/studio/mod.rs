@@ -6,6 +6,7 @@
 //! | `desk` | answers what the page asks |
 //! | `project` | which models there are; what is ready, stale, wrong or missing |
 //! | `model` | a model as the page shows it: drawings, scopes, problems |
+//! | `measured` | tables of other programs over its runs |
 //! | `motion` | moves of its robot: planned, checked, kept |
 //! | `plugins` | what its plug-ins offer and how they are; new ones |
 //! | `runner` | a run, as another process of this program |
@@ -19,6 +20,7 @@ mod analysis;
 mod desk;
 mod edits;
 mod joined;
+mod measured;
 mod model;
 mod motion;
 mod plugins;

@@ -122,7 +122,7 @@ pub fn make(root: &Path, model: &Path, body: &Value) -> Reply {
 }
 
 /// The way from one folder to another, both absolute or both relative.
-fn relative(from: &Path, to: &Path) -> String {
+pub fn relative(from: &Path, to: &Path) -> String {
     let (from, to): (Vec<_>, Vec<_>) = (from.components().collect(), to.components().collect());
     let common = from.iter().zip(&to).take_while(|(one, other)| one == other).count();
     let up = std::iter::repeat_n("..".to_owned(), from.len() - common);

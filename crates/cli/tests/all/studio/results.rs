@@ -1,10 +1,13 @@
 //! What results are looked at with: the mechanism in 3D with speeds, torques and poses, measurements over a run, the written page.
 
+use std::fs;
+
 use blocksim_multibody::EulerZyx;
 use serde_json::{Value, json};
 
 use super::browser::Page;
 use super::movement::{complaints, row};
+use super::{SERVO, Studio, shown};
 use crate::desk::Desk;
 
 const THREE: &str = r#"// Two joints that turn and one that slides, driven by torques and a force; where the tool is and how it is turned is measured.
@@ -216,4 +219,187 @@ fn orientations_are_those_of_the_program() {
             );
         }
     }
+}
+
+/// A measurement of the angle of the servo: in rad and ms, with decimal commas, 0.12 s early and half as large.
+fn measured(signals: &str) -> String {
+    let heads: Vec<&str> = signals.lines().next().expect("a head").split(',').collect();
+    let at = heads.iter().position(|head| head.starts_with("scope.actual")).expect("a signal");
+    let mut text = String::from("# bench 3\nZeit;Winkel;Strom [A]\n");
+    for line in signals.lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        let line = format!("{};{};{}\n", 1e3 * (cells[0] - 0.12), 0.5 * cells[at], 0.25);
+        text.push_str(&line.replace('.', ","));
+    }
+    text
+}
+
+#[test]
+fn a_measured_table_is_laid_over_a_run() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let run = desk.call(&["run", "servo.ron", "--out", "runs/first", "--quiet"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let signals = desk.read("runs/first/signals.csv");
+    fs::create_dir(desk.0.join("data")).expect("a folder");
+    fs::write(desk.0.join("data/bench.csv"), measured(&signals)).expect("a file");
+    fs::write(desk.0.join("data/words.csv"), "time,q\n0,1\nsoon,2\n").expect("a file");
+    let studio = Studio::of(&desk, &["--edit"]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("location.hash = '#runs'");
+    page.until(
+        "[...document.querySelectorAll('.measured button')].some((one) => one.textContent === '+ CSV')",
+    );
+    page.value("[...document.querySelectorAll('.measured button')].find((one) => one.textContent === '+ CSV').click()");
+    let field = |name: &str| format!("document.querySelector('.measured [aria-label=\"{name}\"]')");
+    let told =
+        |name: &str| format!("({}.closest('tr') ?? {}.closest('label')).innerText", field(name), field(name));
+    // Separators and decimals are found, and shown with the begin of the table.
+    page.until("document.querySelector('.measured [role=status]')?.textContent.startsWith('Columns are separated by semicolons, decimals by a comma')");
+    page.until("document.querySelector('.measured table[aria-label=\"Beginning of the table\"] td').textContent === '-120'");
+    assert_eq!(page.value(&format!("{}.value", field("Time column"))), "Zeit");
+    page.until(
+        "document.querySelector('.measured-seen > .told').textContent.includes('no column is a signal')",
+    );
+    // Each mistake stands at its field, and what was typed stays.
+    let type_in = |page: &mut Page, name: &str, text: &str| {
+        page.value(&format!("{}.focus()", field(name)));
+        page.replace(text);
+    };
+    type_in(&mut page, "Signal of Winkel", "scope.actul");
+    page.until(&format!("{}.includes('did you mean `scope.actual`?')", told("Signal of Winkel")));
+    type_in(&mut page, "Signal of Winkel", "scope.actual");
+    for (name, wrong, says, right) in [
+        ("Unit of Winkel", "kg", "the column is in kg, and `scope.actual` in deg", "rad"),
+        ("Unit of Winkel", "furlong", "the unit is not known", "rad"),
+        ("Scale of Winkel", "0", "0 is not a scale", "2"),
+        ("Scale of Winkel", "twice", "twice is not a number", "2,0"),
+        ("Unit of the time", "kg", "kg is not a unit of time", "ms"),
+        ("Shift", "3 kg", "a time has a unit such as s or ms", "0 s"),
+    ] {
+        type_in(&mut page, name, wrong);
+        page.until(&format!("{}.includes({})", told(name), json!(says)));
+        assert_eq!(page.value(&format!("{}.getAttribute('aria-invalid')", field(name))), "true");
+        assert_eq!(page.value(&format!("{}.value", field(name))), wrong);
+        type_in(&mut page, name, right);
+        page.until(&format!("!{}.includes({})", told(name), json!(says)));
+    }
+    page.until("document.querySelector('.measured [role=status]').textContent.includes('-0.12 s to') || document.querySelector('.measured [role=status]').textContent.includes('−0.12 s to')");
+    page.value("[...document.querySelectorAll('.measured button')].find((one) => one.textContent === 'Align').click()");
+    page.until(&format!("{}.value !== '0 s'", field("Shift")));
+    let shift = page.value(&format!("{}.value", field("Shift")));
+    let shift = shift.as_str().map(number).expect("a shift");
+    assert!((shift - 0.12).abs() < 5e-3, "{shift} s");
+    type_in(&mut page, "Shift", "120 ms");
+    // A name that leads elsewhere is refused.
+    type_in(&mut page, "Name of the measurement", "../bench");
+    page.value("[...document.querySelectorAll('.measured button')].find((one) => one.textContent === 'Keep').click()");
+    page.until(
+        "document.getElementById('status').textContent.includes('the name of a measurement is a word')",
+    );
+    type_in(&mut page, "Name of the measurement", "bench");
+    page.value("[...document.querySelectorAll('.measured button')].find((one) => one.textContent.includes('show over')).click()");
+    page.until("document.querySelector('iframe.run-page')?.src.endsWith('/runs/first*bench')");
+    page.until("document.querySelector('.measured-switches input')?.checked");
+    let kept = desk.read("measured/bench.ron");
+    assert!(
+        kept.contains("file: Text(\"../data/bench.csv\")") && kept.contains("shift: \"0.12 s\""),
+        "{kept}"
+    );
+    assert_eq!(
+        complaints(&page).iter().filter(|one| !one.contains("409")).count(),
+        0,
+        "{:?}",
+        page.complaints
+    );
+    // The same on the command line: it lies on the curve of the run, in its picture.
+    let report = desk.call(&["report", "runs/first", "--overlay", "measured/bench.ron", "-o", "bench.html"]);
+    assert_eq!((report.code, report.err.as_str()), (Some(0), ""));
+    let Some(mut page) = opened(&desk, "bench.html") else { return };
+    let off = page.value(
+        "(() => { const [course] = R.Overlay.courses, panel = R.data.panels[course.panel], s = panel.series.find((one) => one.path === 'scope.actual'); \
+         let most = 0; course.time.forEach((t, n) => { const there = R.at(panel.time, s.values, t + course.shift); if (Number.isFinite(there)) most = Math.max(most, Math.abs(course.values[n] * course.factor - there)); }); \
+         return [R.Overlay.courses.length, course.unit, most, Math.max(...course.values)]; })()",
+    );
+    assert_eq!((&off[0], &off[1]), (&json!(1), &json!("°")));
+    assert!(
+        off[2].as_f64().is_some_and(|most| most < 0.2) && off[3].as_f64().is_some_and(|most| most > 89.0),
+        "{off}"
+    );
+    // What does not fit a run is a warning of its page.
+    let other = kept.replace("scope.actual", "scope.acutal");
+    fs::write(desk.0.join("measured/other.ron"), other).expect("a file");
+    let report = desk.call(&["report", "runs/first", "--overlay", "measured/other.ron", "-o", "other.html"]);
+    assert!(report.err.contains("`first` has no signal `scope.acutal`"), "{}", report.err);
+    // Strangers to the project are not read, and without --edit nothing is written.
+    let look = |file: &str| studio.asked("POST", "/api/measured", &[], &json!({ "file": file }).to_string());
+    assert!(look("../secret.csv").contains("409") && look("/etc/passwd").contains("409"));
+    assert!(look("data/words.csv").contains("`soon` is not a number"), "{}", look("data/words.csv"));
+    assert_eq!(studio.status("GET", "/runs/first*..%2Fbench", &[], ""), 409);
+    assert_eq!(studio.interrupt(), Some(0));
+    let plain = Studio::of(&desk, &[]);
+    for path in ["/api/measure", "/api/table"] {
+        assert_eq!(plain.status("POST", path, &[], r#"{"name": "x", "text": "time,q\n0,1\n"}"#), 409);
+    }
+    assert_eq!(desk.names("measured"), ["bench.ron", "other.ron"]);
+}
+
+#[test]
+fn a_table_from_elsewhere_is_taken_into_the_project_once() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &["--edit"]);
+    let take = |name: &str, text: &str| {
+        studio.asked("POST", "/api/table", &[], &json!({ "name": name, "text": text }).to_string())
+    };
+    assert!(take("../../bench 3.csv", "time,q\n0,1\n").contains("measured/bench_3.csv"));
+    assert_eq!(desk.read("measured/bench_3.csv"), "time,q\n0,1\n");
+    // The same again changes nothing, and another one of this name replaces nothing.
+    assert!(take("bench 3.csv", "time,q\n0,1\n").contains("measured/bench_3.csv"));
+    assert!(take("bench 3.csv", "time,q\n0,2\n").contains("already exists"));
+    assert_eq!(desk.read("measured/bench_3.csv"), "time,q\n0,1\n");
+}
+
+#[test]
+fn the_written_page_has_what_is_asked_for() {
+    let desk = Desk::with(&[("three.ron", THREE), ("servo.ron", SERVO)]);
+    for words in [
+        &["run", "three.ron", "--out", "runs/one", "--quiet"][..],
+        &["report", "runs/one", "-o", "part.html", "--sections", "3d,events", "--author", "Ada <Lovelace>"],
+    ] {
+        let done = desk.call(words);
+        assert_eq!(done.code, Some(0), "{}", done.err);
+    }
+    let part = desk.read("part.html");
+    assert!(part.contains("<dt>Author</dt><dd>Ada &lt;Lovelace&gt;</dd>"));
+    assert!(
+        part.contains("id=\"space\"")
+            && !part.contains("<section id=\"scopes\"")
+            && !part.contains("<section id=\"diagram\"")
+    );
+    for (words, says) in [
+        (&["--sections", "3d", "--no-3d"][..], "--sections asks for 3d, and --no-3d leaves it out"),
+        (&["--author", " "], "the name of the author is empty"),
+        (&["--sections", "films"], "invalid value 'films'"),
+    ] {
+        let refused = desk.call(&[&["report", "runs/one", "-o", "never.html"][..], words].concat());
+        assert!(refused.code == Some(2) && refused.err.contains(says), "{}", refused.err);
+    }
+    assert!(!desk.0.join("never.html").exists());
+    // Without scopes the time is that of the movement.
+    let Some(mut page) = opened(&desk, "part.html") else { return };
+    assert_eq!(page.value("R.span[0] === 0 && R.span[1] === 0.5"), true);
+    page.key("End");
+    page.until("R.now === 0.5");
+    assert_eq!(complaints(&page), Vec::<&String>::new());
+    // The studio writes what the command does.
+    let studio = Studio::of(&desk, &["three.ron"]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("location.hash = '#runs/one'");
+    page.until("document.querySelector('.written summary')");
+    page.value("document.querySelector('.written summary').click(); [...document.querySelectorAll('.written label')].filter((one) => / (scopes|planes|diagram|tracking|parameters)$/.test(one.textContent)).forEach((one) => one.click())");
+    page.value("document.querySelector('.written input[type=text]').focus()");
+    page.insert("Ada <Lovelace>");
+    page.until("document.querySelector('.written code').textContent === \"blocksim report one --sections 3d,events --author 'Ada <Lovelace>'\"");
+    page.value("[...document.querySelectorAll('#runs-view button')].find((one) => one.textContent === 'Write report.html').click()");
+    page.until("document.querySelector('#runs-view .note').textContent.includes('report.html is written')");
+    assert!(desk.read("runs/one/report.html") == part);
 }

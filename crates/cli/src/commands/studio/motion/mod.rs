@@ -244,7 +244,7 @@ pub fn save(planner: &Planner, model: &Path, body: &Value) -> Result<String, Rep
 }
 
 /// Whether a name makes a file beside the others, and nothing else.
-fn is_name(name: &str) -> bool {
+pub fn is_name(name: &str) -> bool {
     let is_one = Path::new(name).components().collect::<Vec<_>>();
     matches!(is_one.as_slice(), [Component::Normal(_)])
         && name.len() <= 80
