@@ -7,6 +7,8 @@
   const { Desk, Panel, Futures, Movement } = /** @type {any} */ (R);
   /** Numbers beside the pictures change no more often than this, ms. */
   const READ = 100;
+  /** A strip with errors is drawn anew no more often than this, ms. */
+  const STRIP = 200;
   /** Numbers that a scope has room for at first. */
   const ROOM = 4096;
   /** Steps of a slider, and how many times as wide as a value is a range may be over which its slider goes. */
@@ -25,7 +27,11 @@
   const running = () => state?.state === 'running' || state?.state === 'paused';
 
   /** Bytes of a text in base64. @param {string} text */
-  const bytes = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0)).buffer;
+  const bytes = (text) => {
+    const signs = atob(text), all = new Uint8Array(signs.length);
+    for (let n = 0; n < signs.length; n++) all[n] = signs.charCodeAt(n);
+    return all.buffer;
+  };
 
   /** Lays the scopes of a run out, empty. @param {any} told */
   const scopes = (told) => {
@@ -43,7 +49,7 @@
     // Those of the panel stand behind those of the scopes, and those of the mechanism behind both.
     shown = 1 + panels.reduce((sum, panel) => sum + panel.series.length, 0);
     joints = shown + told.shown.length;
-    for (let n = 0; n < joints + (told.joints ?? 0); n++) columns.push(new Float64Array(ROOM));
+    for (let n = 0; n < joints + (told.joints ?? 0) + (told.sets?.length ?? 0); n++) columns.push(new Float64Array(ROOM));
     Panel.quiet();
     Movement.begin(told, joints);
     for (const panel of panels) {
@@ -109,7 +115,8 @@
     while (kept > 0 && columns[0][kept - 1] >= t) kept--;
     Futures.leave(t, columns, rows, kept);
     rows = kept;
-    for (const panel of panels) panel.offRows = Math.min(panel.offRows ?? 0, rows);
+    Movement.anew();
+    for (const panel of panels) { panel.offRows = Math.min(panel.offRows ?? 0, rows); panel.stale = true; }
     Panel.adopt(set);
     if (!dirty) { dirty = true; requestAnimationFrame(draw); }
   };
@@ -125,9 +132,9 @@
         if (s.signal) [s.signal.time, s.signal.values] = [time, s.values];
       }
       // What is out of sight is drawn when it comes into sight.
-      if (panel.seen) paint(panel); else panel.stale = true;
+      if (!panel.seen) panel.stale = true;
+      else if (!extend(panel)) { paint(panel); ranged(panel); }
     }
-    range();
     if (running() && rows) { state.t = time[rows - 1]; told(); }
     Movement.grow(columns, rows);
     draws = true;
@@ -138,12 +145,72 @@
     tell();
     if (rows) Panel.show(columns.slice(shown, joints).map((column) => column[rows - 1]));
   };
-  /** Gives a picture its rows. @param {any} panel */
+  /** Gives a picture its rows. @param {any} panel @param {boolean} [kept] Whether what is drawn stays as it is. */
+  const give = (panel, kept) => {
+    panel.main.setData([panel.time, ...panel.series.map((/** @type {any} */ s) => plain(s.values, gaps[s.column + 1]))], false);
+    if (panel.strip && !kept) { panel.strip.setData([panel.time, errors(panel)], false); panel.stripped = performance.now(); }
+  };
+  /** Draws a picture anew, with its range of times, which is set by who calls. @param {any} panel */
   const paint = (panel) => {
     panel.stale = false;
-    const time = columns[0].subarray(0, rows);
-    panel.main.setData([time, ...panel.series.map((/** @type {any} */ s) => plain(s.values, gaps[s.column + 1]))], false);
-    if (panel.strip) panel.strip.setData([time, errors(panel)], false);
+    panel.time = columns[0].subarray(0, rows);
+    give(panel);
+    panel.drawn = rows;
+  };
+  /** Draws what has come since the picture was drawn last, as long as it has room for that: to draw all of it would cost most of the time.
+   * @param {any} panel @returns {boolean} Whether that was possible. */
+  const extend = (panel) => {
+    const u = panel.main, { x, y } = u.scales, from = panel.drawn - 1;
+    if (panel.stale || follow || !running() || !(from >= 0) || rows < panel.drawn || x.min !== 0 || x.max !== until || y.min === null) return false;
+    if (rows === panel.drawn) return true;
+    for (const s of panel.series) {
+      if (gaps[s.column + 1]) return false;
+      for (let n = from; n < rows; n++) {
+        // Where there is no room, or an angle jumps by a turn, the whole picture is another one.
+        if (!(s.values[n] >= y.min && s.values[n] <= y.max) || (panel.turn && n > from && Math.abs(s.values[n] - s.values[n - 1]) >= 0.75 * panel.turn)) return false;
+      }
+    }
+    give(panel, true);
+    const context = u.ctx, { left, top, width, height } = u.bbox, ratio = devicePixelRatio;
+    context.save();
+    context.beginPath();
+    context.rect(left, top, width, height);
+    context.clip();
+    context.lineJoin = 'round';
+    panel.series.forEach((/** @type {any} */ s, /** @type {number} */ at) => {
+      const look = u.series[at + 1];
+      if (!look.show) return;
+      context.strokeStyle = look.stroke(u, at + 1);
+      context.lineWidth = look.width * ratio;
+      const dash = (look.dash ?? []).map((/** @type {number} */ length) => length * ratio);
+      context.setLineDash(dash);
+      // Dashes go on where the last ones ended.
+      context.lineDashOffset = s.dashed ?? 0;
+      // As the picture draws them: at whole dots, moved by what a line of this width needs to be sharp.
+      const dot = (/** @type {number} */ x, /** @type {string} */ axis) => Math.round(u.valToPos(x, axis, true)) + (context.lineWidth % 2) / 2;
+      context.beginPath();
+      let px = dot(panel.time[from], 'x'), py = dot(s.values[from], 'y'), long = 0;
+      context.moveTo(px, py);
+      for (let n = from + 1; n < rows; n++) {
+        const qx = dot(panel.time[n], 'x'), qy = dot(s.values[n], 'y');
+        if (s.held) context.lineTo(qx, py);
+        context.lineTo(qx, qy);
+        long += s.held ? qx - px + Math.abs(qy - py) : Math.hypot(qx - px, qy - py);
+        [px, py] = [qx, qy];
+      }
+      context.stroke();
+      const period = dash.reduce((/** @type {number} */ sum, /** @type {number} */ length) => sum + length, 0);
+      if (period) s.dashed = ((s.dashed ?? 0) + long) % period;
+    });
+    context.restore();
+    panel.drawn = rows;
+    // The strip below is small, and filled: it is drawn anew, but not as often.
+    if (panel.strip && performance.now() - (panel.stripped ?? 0) >= STRIP) {
+      panel.strip.setData([panel.time, errors(panel)], false);
+      panel.strip.setScale('x', { min: 0, max: until });
+      panel.stripped = performance.now();
+    }
+    return true;
   };
   /** How far set and actual values are from each other; only new rows are computed. @param {any} panel */
   const errors = (panel) => {
@@ -219,6 +286,8 @@
     fresh = false;
     const before = state?.state;
     state = now;
+    // What was drawn piece by piece is drawn as a whole in the end.
+    if (!running() && before === 'running' && !dirty) { dirty = true; requestAnimationFrame(draw); }
     told();
     Futures.renew(now);
     if (before !== now.state && before !== undefined) Desk.say(now.state === 'running' ? `${now.model} runs` : said, now.state === 'failed');

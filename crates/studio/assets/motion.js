@@ -141,7 +141,8 @@
       };
       // Where a later move begins is where the one before ends.
       const begins = isFirst ? [cell('from')] : isJoint ? [R.make('td', { class: 'begins' })] : [];
-      return { told, begins, row: R.make('tr', {}, R.make('th', { scope: 'row' }, axis.name), ...begins, ...(isJoint ? [cell('to')] : []), R.make('td', { class: 'note' }, `${point(axis.lower, 0)} … ${point(axis.upper, 0)} ${axis.unit}`), told) };
+      const ends = R.make('span', { class: 'ends' });
+      return { told, begins, ends, row: R.make('tr', {}, R.make('th', { scope: 'row' }, axis.name), ...begins, ...(isJoint ? [cell('to')] : []), R.make('td', { class: 'note' }, `${point(axis.lower, 0)} … ${point(axis.upper, 0)} ${axis.unit} `, ends), told) };
     });
     const head = ['', ...(isFirst || isJoint ? ['start'] : []), ...(isJoint ? ['target'] : []), 'range', ''].map((name) => R.make('th', { scope: 'col' }, name));
     const table = isFirst || isJoint ? [R.make('table', { class: 'axes', 'aria-label': 'Start and target' }, R.make('thead', {}, R.make('tr', {}, ...head)), R.make('tbody', {}, ...place.rows.map((/** @type {any} */ one) => one.row)))] : [];
@@ -203,7 +204,20 @@
     for (const [n, axis] of robot.axes.entries()) {
       const all = [...(index() === 0 ? [['start', typed.from[n]]] : []), ...(own.kind === 'joint' ? [['target', own.to[n]]] : [])];
       place.rows[n].told.textContent = all.map(([what, text]) => { const bad = trouble(axis, text ?? ''); return bad && `${what} ${bad}`; }).filter(Boolean).join('; ');
+      const beyond = all.filter(([, text]) => { const x = number(text ?? ''); return x < axis.lower - 1e-9 || x > axis.upper + 1e-9; });
+      // Who is at a button stays there as long as it is of use.
+      const key = beyond.map(([what, text]) => `${what} ${number(text) > axis.upper}`).join();
+      if (place.rows[n].ends.dataset.for === key) continue;
+      place.rows[n].ends.dataset.for = key;
+      place.rows[n].ends.replaceChildren(...beyond.map(([what, text]) => use(n, what === 'start' ? 'from' : 'to', number(text) > axis.upper)));
     }
+  };
+  /** A button that takes the end of the range in the place of what is beyond it. @param {number} n @param {string} which @param {boolean} upper */
+  const use = (n, which, upper) => {
+    const axis = robot.axes[n], end = upper ? axis.upper : axis.lower;
+    // Rounded inwards, so that it is within the range.
+    const digits = 1e4, text = String(Math.abs(end * digits - Math.round(end * digits)) < 1e-6 ? Math.round(end * digits) / digits : (upper ? Math.floor(end * digits) : Math.ceil(end * digits)) / digits);
+    return Desk.button(`Use ${text.replace('-', '−')}`, () => { list(which)[n] = text; const input = inputs[which][n]; input.value = text; release(); look(); input.focus(); }, { title: `The ${upper ? 'upper' : 'lower'} limit of ${axis.name} as ${which === 'from' ? 'start' : 'target'}`, 'aria-label': `Use ${text} as the ${which === 'from' ? 'start' : 'target'} of ${axis.name}` });
   };
   /** What is typed, as it is planned. */
   const request = () => {
@@ -318,7 +332,7 @@
     } else plot.setData(columns);
     const positions = found.course.map((/** @type {any} */ axis) => Float64Array.from(axis.q));
     shown();
-    if (drawn3d) R.Space.renew(time, positions, ghost(positions), typed.kind === 'sequence' ? found.steps.map((/** @type {any} */ step) => step.begin) : undefined);
+    if (drawn3d) R.Space.renew(time, positions, ghost(positions), typed.kind === 'sequence' ? found.steps.map((/** @type {any} */ step) => step.begin) : undefined, start(positions));
     R.setTime(Math.min(R.now, found.duration));
     tell();
   };
@@ -327,12 +341,17 @@
     const end = typed.kind === 'sequence' ? found.steps[index()]?.to.axes : null;
     return positions.map((q, n) => new Float64Array(q.length).fill(end ? end[n] * (robot.axes[n].unit === 'mm' ? 1e-3 : Math.PI / 180) : q[q.length - 1]));
   };
+  /** The pose at the start: of a sequence at that of the selected move. @param {Float64Array[]} positions */
+  const start = (positions) => {
+    const begin = typed.kind === 'sequence' ? found.steps[index()]?.from.axes : null;
+    return positions.map((q, n) => begin ? begin[n] * (robot.axes[n].unit === 'mm' ? 1e-3 : Math.PI / 180) : q[0]);
+  };
   /** Another move of the sequence is selected. */
   const chosen = () => {
     fields();
     release();
     showTroubles();
-    if (found && drawn3d) { const { time, positions, parts } = R.data.space; R.Space.renew(time, positions, ghost(positions), parts); }
+    if (found && drawn3d) { const { time, positions, parts } = R.data.space; R.Space.renew(time, positions, ghost(positions), parts, start(positions)); }
   };
   /** The mechanism as it stands at the start, before anything is planned. */
   const mechanism = () => {
@@ -344,7 +363,7 @@
       return;
     }
     const positions = robot.axes.map((/** @type {any} */ axis, /** @type {number} */ n) => new Float64Array(2).fill(worth('from', n) * (axis.unit === 'mm' ? 1e-3 : Math.PI / 180)));
-    R.data.space = { scene: robot.scene, time: Float64Array.of(0, 1), positions, set: positions, contacts: [], surfaces: [] };
+    R.data.space = { scene: robot.scene, time: Float64Array.of(0, 1), positions, set: positions, begin: positions.map((/** @type {Float64Array} */ q) => q[0]), contacts: [], surfaces: [] };
     R.guarded('The 3D view', () => { R.Space.build(); drawn3d = true; Joints.mechanism(joints); });
   };
   /** The times of the page are those of the move while it is looked at. */
@@ -464,5 +483,5 @@
   };
   /** Whether the fields that are seldom used are open. */ let opened = false;
   let known = 0;
-  return { renew, load, typed: () => typed, found: () => found };
+  return { renew, load, typed: () => typed, found: () => found, axes: () => robot.axes };
 })();

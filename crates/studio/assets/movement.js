@@ -11,12 +11,14 @@
   /** @type {{resized: () => void}} */ let owner = { resized: () => {} };
   /** @type {any} */ const place = { all: null, view: null, notes: null, button: null };
   /** How many positions there are, and where the first of them stands among the columns. */ let count = 0, first = 0;
+  /** Which positions have set values, whose columns stand behind theirs. @type {number[]} */ let sets = [];
   /** What the program has told of the mechanism, and how it stands before anything is known. @type {any} */ let known = null;
   /** @type {Float64Array[]} */ let start = [];
   /** What the view shows, as text; empty if it shows nothing. */ let built = '';
   /** Counts what was asked for. */ let asked = 0;
-  /** Rows that came while nobody looked. @type {[Float64Array, Float64Array[]]|null} */ let waiting = null;
+  /** Rows that came while nobody looked: times, positions, set values. @type {[Float64Array, Float64Array[], Float64Array[]|undefined]|null} */ let waiting = null;
   let wanted = true;
+  /** Counts pasts: another run, or one that has gone back, has another path. */ let past = 0;
 
   const isSeen = () => !place.all.hidden && !place.all.closest('section')?.hidden;
   /** @param {(string|undefined|null)[]} all */
@@ -34,6 +36,8 @@
   /** A run has begun. @param {any} told Its scopes. @param {number} column Where positions begin among the columns. */
   const begin = (told, column) => {
     [count, first, known, waiting] = [told.joints ?? 0, column, null, null];
+    anew();
+    sets = told.sets ?? [];
     notes([told.unseen]);
     if (!count) { built = ''; place.view.replaceChildren(); }
     place.view.hidden = !count;
@@ -49,7 +53,7 @@
       const bytes = told.surfaces?.length ? await R.inflate(told.numbers) : null;
       if (own !== asked) return;
       // The same mechanism stays as somebody looks at it.
-      known = { ...told, text: JSON.stringify([told.scene, told.numbers]) };
+      known = { ...told, text: JSON.stringify([told.scene, told.numbers, sets]) };
       if (bytes) R.bytes = bytes;
       start = told.scene.bodies.flatMap((/** @type {any} */ body) => body.motion.kind === 'fixed' ? [] : body.start).map((/** @type {number} */ x) => Float64Array.of(x));
       notes([...place.notes.querySelectorAll('p')].map((note) => note.textContent).concat(told.warnings ?? []));
@@ -67,19 +71,25 @@
   /** Builds the view, or brings it up to date, if somebody looks. */
   const show = () => {
     if (!known || !isSeen()) return;
-    const [time, positions] = waiting ?? [Float64Array.of(0), start];
+    const [time, positions, set] = waiting ?? [Float64Array.of(0), start, sets.length ? start : undefined];
     try {
-      if (known.text === built) { view.grow(time, positions); return; }
+      if (known.text === built) { view.grow(time, positions, set, past); return; }
       place.view.replaceChildren();
       // The view marks what it has computed in the scene.
-      view.build({ scene: structuredClone(known.scene), surfaces: known.surfaces ?? [], time, positions, contacts: [] });
+      view.build({ scene: structuredClone(known.scene), surfaces: known.surfaces ?? [], time, positions, set, contacts: [] });
       built = known.text;
     } catch (error) { fail(error); }
   };
+  /** What was known of the past counts no more. */
+  const anew = () => { past++; };
   /** Rows are known. @param {Float64Array[]} columns @param {number} rows */
   const grow = (columns, rows) => {
     if (!count) return;
-    waiting = rows ? [columns[0].subarray(0, rows), columns.slice(first, first + count).map((column) => column.subarray(0, rows))] : null;
+    const of = (/** @type {number} */ at) => columns[at].subarray(0, rows);
+    // What has no set value is where it should be.
+    const set = (/** @type {number} */ n) => of(sets.includes(n) ? first + count + sets.indexOf(n) : first + n);
+    const all = Array.from({ length: count }, (_, n) => n);
+    waiting = rows ? [of(0), all.map((n) => of(first + n)), sets.length ? all.map(set) : undefined] : null;
     show();
   };
 
@@ -94,5 +104,5 @@
     tools.append(place.button);
     arrange();
   };
-  return { build, begin, grow, show, view };
+  return { build, begin, anew, grow, show, view };
 })();

@@ -37,7 +37,7 @@ pub fn watch(
     let texts = setup.loaded.on_disk.clone();
     let mut tuner = Tuner::new(args, &texts);
     let items = setup.loaded.compiled.panel.clone();
-    let mechanism = Mechanism::of(args, &setup.loaded, &setup.schedule.recorded);
+    let mechanism = Mechanism::of(args, &setup.loaded, &setup.schedule);
     let began = Began::of(&simulation);
     let schedule = setup.schedule.clone();
     let setup = Mutex::new(Some(setup));

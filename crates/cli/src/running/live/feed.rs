@@ -26,7 +26,7 @@ pub struct Feed {
     console: Console,
     /// For each column the position in a row, and what makes its unit of SI.
     columns: Vec<(usize, Unit)>,
-    /// How many of them are drawn over time; positions stand behind them.
+    /// How many of them are drawn over time; positions stand behind them, and their set values behind these.
     curves: usize,
     times: Vec<f64>,
     /// Values, column by column.
@@ -54,13 +54,16 @@ impl Feed {
         let paths: Vec<&str> = shown.iter().map(|shown| shown.path.as_str()).collect();
         let event = json!({
             "v": 1, "type": "scopes", "until": until, "panels": panels_json(scopes), "shown": paths, "joints": mechanism.sources.len(),
+            "sets": mechanism.sets.iter().map(|(position, _)| position).collect::<Vec<_>>(),
             "scene": mechanism.scene, "unseen": mechanism.unseen,
         });
         // Whoever does not read on is noticed when the run is told at the end.
         let _ = console.data(&format!("{event}\n"));
         let of_scopes = scopes.iter().flat_map(|scope| scope.sources.iter().cloned());
         let curves = of_scopes.chain(shown.iter().map(|shown| shown.source.clone()));
-        Feed::of(curves.collect(), mechanism.sources.clone(), console)
+        let sets = mechanism.sets.iter().map(|(_, source)| source.clone());
+        let positions = mechanism.sources.iter().cloned().chain(sets);
+        Feed::of(curves.collect(), positions.collect(), console)
     }
 
     fn of(curves: Vec<(usize, Unit)>, positions: Vec<(usize, Unit)>, console: Console) -> Feed {

@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use blocksim_block::schedule::Recorded;
+use blocksim_block::schedule::{Recorded, Schedule, Signal};
 use blocksim_diagram::Sources;
 use blocksim_scene::Scene;
-use blocksim_signal::Unit;
+use blocksim_signal::{Kind, Unit};
 use serde_json::Value;
 
 use crate::args::model::RunArgs;
@@ -25,16 +25,19 @@ pub struct Mechanism {
     pub scene: Value,
     /// Where each position of [`Scene::signals`] is among what is recorded, in SI.
     pub sources: Vec<(usize, Unit)>,
+    /// Which of these have a set value that is recorded, and where that is.
+    pub sets: Vec<(usize, (usize, Unit))>,
     /// Why something is not seen, in words.
     pub unseen: Option<String>,
 }
 
 impl Mechanism {
     /// The mechanism of a model that is about to run.
-    pub fn of(args: &RunArgs, loaded: &Loaded, recorded: &[Recorded]) -> Mechanism {
+    pub fn of(args: &RunArgs, loaded: &Loaded, schedule: &Schedule) -> Mechanism {
         let Some(scene) = loaded.scene() else { return Mechanism::default() };
-        let mut mechanism = Mechanism::moved(scene, recorded);
+        let mut mechanism = Mechanism::moved(scene, &schedule.recorded);
         if !mechanism.scene.is_null() {
+            mechanism.sets = sets(&scene.signals(), &schedule.signals, &schedule.recorded);
             mechanism.surround(&args.model.model, &args.model.set);
         }
         mechanism
@@ -57,7 +60,7 @@ impl Mechanism {
         }
         let scene = serde_json::from_str(&json(scene, &HashMap::new())).unwrap_or_default();
         let sources = places.into_iter().map(|place| (place, one.clone())).collect();
-        Mechanism { scene, sources, unseen: None }
+        Mechanism { scene, sources, ..Mechanism::default() }
     }
 
     /// Adds what stands around.
@@ -71,12 +74,27 @@ impl Mechanism {
     }
 }
 
+/// The set values of positions: a scope whose input `actual` is, to the cell, the position of a joint has its set value at `set`.
+fn sets(positions: &[&str], signals: &[Signal], recorded: &[Recorded]) -> Vec<(usize, (usize, Unit))> {
+    let set_of = |(n, path): (usize, &&str)| {
+        let cells = || signals.iter().filter(|signal| signal.path == **path).map(|signal| signal.offset);
+        let scopes = recorded.iter().filter(|one| cells().any(|cell| cell == one.cell));
+        let blocks = scopes.filter_map(|one| one.path.strip_suffix(".actual"));
+        let set = blocks.map(|block| format!("{block}.set")).find_map(|set| {
+            let at = recorded.iter().position(|one| one.path == set)?;
+            // One scalar for one position.
+            (recorded[at].kind == Kind::Real).then_some(at)
+        });
+        Some((n, (set?, Unit::parse("1").ok()?)))
+    };
+    positions.iter().enumerate().filter_map(set_of).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use blocksim_block::schedule::Keep;
     use blocksim_multibody::Placement;
     use blocksim_scene::{Motion, SceneBody};
-    use blocksim_signal::Kind;
 
     use super::*;
 
@@ -121,6 +139,26 @@ mod tests {
             "where a joint is missing, nothing is known"
         );
         assert!(Mechanism::moved(&Scene::new(), &recorded).scene.is_null());
+    }
+
+    #[test]
+    fn set_values_are_those_of_the_scope_that_shows_a_position() {
+        use blocksim_signal::Shape;
+        let (_, mut recorded) = slides(2);
+        let signal = |path: &str, offset| Signal {
+            path: path.to_owned(),
+            offset,
+            kind: Kind::Real,
+            shape: Shape::Scalar,
+            dimension: None,
+        };
+        let one = |path: &str, cell| Recorded { path: path.to_owned(), cell, ..recorded[0].clone() };
+        // One scope shows the position itself, the other one something that is called alike.
+        let scopes = [one("a.set", 7), one("a.actual", 3), one("b.set", 8), one("b.actual", 9)];
+        recorded.extend(scopes);
+        let signals = [signal("slide0.q", 3), signal("slide1.q", 4), signal("slide1.q", 5)];
+        let found = sets(&["slide0.q", "slide1.q"], &signals, &recorded);
+        assert_eq!(found.iter().map(|(n, (at, _))| (*n, *at)).collect::<Vec<_>>(), [(0, 3)]);
     }
 
     #[test]

@@ -116,3 +116,39 @@ fn joints_are_moved_by_keys() {
     assert_eq!(page.value("document.querySelector('input[aria-label=\"A1 start\"]').value"), "-40");
     assert_eq!(target(&mut page, 1), -30.0);
 }
+
+#[test]
+fn the_limit_takes_the_place_of_what_is_beyond_it_and_the_start_is_a_ghost() {
+    let desk = with_scara();
+    let studio = Studio::of(&desk, &["scara.ron"]);
+    let Some(mut page) = planner(&studio) else { return };
+    for (field, typed, which, end) in
+        [("A1 target", "9999", "to", "upper"), ("A2 start", "-9999,5", "from", "lower")]
+    {
+        let axis = if field.starts_with("A1") { 0 } else { 1 };
+        page.value(&format!("document.querySelector('input[aria-label=\"{field}\"]').focus()"));
+        page.replace(typed);
+        let button =
+            format!("document.querySelectorAll('.axes tbody tr')[{axis}].querySelector('.ends button')");
+        page.until(&button);
+        page.value(&format!("{button}.focus()"));
+        page.key("Enter");
+        page.until(&format!("!{button} && R.Motion.found()"));
+        // It is the limit, the focus is in the field, and nothing is wrong with it any more.
+        let taken =
+            page.value("[document.activeElement.getAttribute('aria-label'), document.activeElement.value]");
+        assert_eq!(taken[0], *field);
+        let limit = page.value(&format!("R.Motion.axes()[{axis}].{end}")).as_f64().expect("a limit");
+        let value: f64 = taken[1].as_str().and_then(|text| text.parse().ok()).expect("a number");
+        assert!((value - limit).abs() < 1e-4, "{which}: {value}, {limit}");
+        page.until(&format!("document.querySelectorAll('.axes .told')[{axis}].textContent === ''"));
+    }
+    // Start and target stand beside the move, as the fields have them.
+    page.until(
+        "(() => { const { begin, set } = R.Space.stage().movement, typed = R.Motion.typed(); \
+         return R.Motion.axes().every((axis, n) => { const one = axis.unit === 'mm' ? 1e-3 : Math.PI / 180; \
+         return Math.abs(begin[n] - one * Number(typed.from[n])) < 1e-6 && Math.abs(set[n][0] - one * Number(typed.to[n])) < 1e-6; }); })()",
+    );
+    let named = page.value("[...document.querySelectorAll('#space-view .space-bar label')].filter((one) => !one.hidden).map((one) => one.textContent.trim()).slice(0, 2)");
+    assert_eq!(named, serde_json::json!(["start", "target"]));
+}

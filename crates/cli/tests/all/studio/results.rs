@@ -403,3 +403,68 @@ fn the_written_page_has_what_is_asked_for() {
     page.until("document.querySelector('#runs-view .note').textContent.includes('report.html is written')");
     assert!(desk.read("runs/one/report.html") == part);
 }
+
+#[test]
+fn set_values_of_joints_are_a_ghost_while_a_run_goes_on() {
+    let desk = Desk::with(&[("three.ron", THREE)]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("location.hash = '#run'");
+    page.value("R.Desk.ask('run', { speed: 0.5 }).then(() => null)");
+    page.until("R.Live.rows() > 10 && window.__m.movement_frames > 0");
+    page.until("/ s simulated/.test(document.querySelector('.run-line').textContent) && R.Live.rows() > 300");
+    let table = desk.read(&format!("runs/{}/signals.csv", desk.names("runs")[0]));
+    page.until("R.Movement.view.stage().movement.time.at(-1) === 0.5");
+    let ghost = "[...document.querySelectorAll('#movement .space-bar label')].find((one) => one.textContent.includes('set value'))";
+    assert_eq!(page.value(&format!("{ghost}.hidden")), false);
+    for t in [0.1, 0.25, 0.5] {
+        let at = page.value(&format!(
+            "(() => {{ const {{ time, positions, set }} = R.Movement.view.stage().movement; return [set, positions].map((all) => all.map((one) => R.at(time, one, {t}))); }})()"
+        ));
+        let [set, actual] = row(&table, t, &["angle.set", "angle.actual"])[..] else { panic!("two signals") };
+        let near = |value: &Value, expected: f64| (value.as_f64().expect("a number") - expected).abs() < 1e-5;
+        assert!(
+            near(&at[0][0], set) && near(&at[1][0], actual),
+            "{at} at {t} s, recorded {set} and {actual}"
+        );
+        // What has no set value is where it should be.
+        assert!(at[0][1] == at[1][1] && at[0][2] == at[1][2], "{at}");
+    }
+    assert_eq!(complaints(&page), Vec::<&String>::new());
+}
+
+#[test]
+fn scopes_that_fill_piece_by_piece_look_as_if_they_were_drawn_at_once() {
+    let text = SERVO.replace("\"2 s\"", "\"4 s\", solver: Ode4(step: \"2 ms\")");
+    let desk = Desk::with(&[("servo.ron", &text)]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.value("location.hash = '#run'");
+    page.value("R.Desk.ask('run', { speed: 1 }).then(() => null)");
+    page.until("R.Live.rows() > 10");
+    // How often the picture is given rows, and how often it is drawn as a whole.
+    page.value(
+        "(() => { const u = R.data.panels[0].main; for (const look of u.series) look.dash = []; R.data.panels[0].stale = true; window.given = window.whole = 0; for (const [name, count] of [['setData', 'given'], ['setScale', 'whole']]) { const does = u[name]; u[name] = (...all) => { window[count]++; return does(...all); }; } })()",
+    );
+    page.until("R.now > 2.6");
+    page.key(" ");
+    page.until("document.querySelector('.run-line').textContent.includes('paused')");
+    let counts = page.value("[window.given, window.whole]");
+    let [given, whole] = [0, 1].map(|n| counts[n].as_u64().expect("a count"));
+    assert!(given > 10 && whole < given / 2, "{counts}");
+    page.drawn();
+    let off = page.value(
+        "(async () => { const u = R.data.panels[0].main, { width, height } = u.ctx.canvas, look = () => u.ctx.getImageData(0, 0, width, height).data; \
+         const before = look(), { min, max } = u.scales.y; R.data.panels[0].reach = () => [min, max]; u.redraw(true, false); await new Promise((done) => setTimeout(done, 100)); const after = look(); let off = 0, ink = 0; \
+         for (let n = 0; n < before.length; n += 4) { if (after[n + 3] > 40) ink++; if ([0, 1, 2, 3].some((k) => Math.abs(before[n + k] - after[n + k]) > 60)) off++; } return [off, ink]; })()",
+    );
+    let [off, ink] = [0, 1].map(|n| off[n].as_u64().expect("a count"));
+    // But for where pieces meet; lines are not dashed here, whose dashes begin elsewhere.
+    assert!(ink > 1000 && off < ink / 20, "{off} of {ink} dots differ");
+    page.value("R.Desk.ask('control', { do: 'speed', speed: 0 }).then(() => R.Desk.ask('control', { do: 'go' })).then(() => null)");
+    page.until("document.querySelector('.run-line').textContent.includes('4 s simulated')");
+    page.until(
+        "R.data.panels[0].drawn === R.Live.rows() && R.data.panels[0].main.data[0].length === R.Live.rows()",
+    );
+    assert_eq!(complaints(&page), Vec::<&String>::new());
+}
