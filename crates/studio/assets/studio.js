@@ -42,9 +42,8 @@
     });
   };
 
-  /** Draws the model, if it has changed since and somebody looks at it. */
-  const diagram = async () => {
-    const version = Project.known()?.version ?? 0;
+  /** Draws the model, if it has changed since and somebody looks at it. @param {number} [version] Of the model as it is now. */
+  const diagram = async (version = Project.known()?.version ?? 0) => {
     if (drawn === version || asked()[0] !== 'diagram') return;
     texts = await Desk.ask('diagram');
     if (!texts) return;
@@ -61,8 +60,10 @@
     /** @type {any} */ (window).__m.drawn = performance.now();
   };
 
-  const renew = async () => {
+  /** @param {number} [version] Of the model, if that has changed: who looks at its picture sees that first. */
+  const renew = async (version) => {
     try {
+      if (version && R.Diagram.has()) await diagram(version);
       const told = await Desk.ask('project');
       Project.renew(told);
       Panel.renew(told.panel);
@@ -104,7 +105,7 @@
   // Whoever comes back, or was away for a while, asks for everything anew.
   Desk.on('open', () => { Live.again(); renew(); });
   Desk.on('scopes', () => { if (texts && R.Diagram.has()) R.guarded('The diagram', () => { probe(); R.Signals.build(texts); R.Diagram.renew(texts); }); });
-  Desk.on('model', renew);
+  Desk.on('model', (/** @type {any} */ told) => renew(told.version));
   Desk.on('run', (/** @type {any} */ now) => { if (['done', 'stopped', 'failed'].includes(now.state)) renew(); });
   show();
   Desk.listen();

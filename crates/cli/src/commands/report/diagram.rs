@@ -1,11 +1,12 @@
 //! The block diagram of a model, level by level, with what is known of its blocks and wires.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, VecDeque};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use blocksim_block::BlockInfo;
 use blocksim_diagram::{Content, Model, ModelBlock, Sources, origins};
 use blocksim_drawing::{Facts, Layer, Level as Drawable, Look, all_levels, inline, style_sheet};
-use blocksim_layout::{PortKind, layout};
+use blocksim_layout::{Graph, Layout, PortKind, layout};
 use blocksim_picture::pretty_unit;
 use blocksim_report::{Drawing, Inspected, Kind, Level, Net, PortPlace, Probe, Report};
 use blocksim_signal::Dimension;
@@ -61,9 +62,28 @@ pub fn add(
     report.diagram.kinds = kinds.iter().filter_map(|kind| BlockInfo::find(kind)).map(kind).collect();
 }
 
+/// Layouts that are kept.
+const LAYOUTS: usize = 512;
+
+/// The layout of a level. It follows from the graph alone, and most levels are as they were when a model was read last, or like others.
+fn laid_out(graph: &Graph) -> Arc<Layout> {
+    static KNOWN: Mutex<VecDeque<(Graph, Arc<Layout>)>> = Mutex::new(VecDeque::new());
+    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, found)) = known().iter().find(|(known, _)| known == graph) {
+        return Arc::clone(found);
+    }
+    let made = Arc::new(layout(graph));
+    let mut all = known();
+    if all.len() == LAYOUTS {
+        all.pop_front();
+    }
+    all.push_back((graph.clone(), Arc::clone(&made)));
+    made
+}
+
 /// Layers over a level, and what they say of its wires and blocks.
 fn layers(facts: &Facts, level: &Drawable) -> Value {
-    let (known, laid_out) = (facts.on(level), layout(&level.graph));
+    let (known, laid_out) = (facts.on(level), laid_out(&level.graph));
     let drawn = Layer::ALL.map(|layer| (layer.name(), facts.draw(layer, level, &known, &laid_out)));
     let drawn: serde_json::Map<String, Value> =
         drawn.into_iter().map(|(name, svg)| (name.to_owned(), svg.into())).collect();
@@ -106,7 +126,7 @@ fn relative(mut level: Drawable) -> Drawable {
 }
 
 fn drawing(level: &Drawable) -> Drawing {
-    let laid_out = layout(&level.graph);
+    let laid_out = laid_out(&level.graph);
     let nets = level.graph.nets.iter().zip(&level.lines).map(|(net, line)| Net {
         title: line.title.clone(),
         nodes: net.ends.iter().map(|end| end.node).collect(),

@@ -1,7 +1,7 @@
 //! Answers what the page asks.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant, SystemTime};
 
 use blocksim_edit::Learned;
@@ -142,6 +142,10 @@ impl Studio {
 
     /// Reads the model anew if its files have changed and keep still.
     pub fn look(&self) {
+        // Several files that are being written together are not looked at before all of them are.
+        if matches!(self.changes.try_lock(), Err(TryLockError::WouldBlock)) {
+            return;
+        }
         let mut now = self.now();
         if now.searched.elapsed() > MODELS {
             now.searched = Instant::now();
