@@ -3,7 +3,7 @@
 use blocksim_blocks::robotics::RobotDescription;
 use blocksim_diagram::{Sources, parameter};
 use blocksim_multibody::EulerZyx;
-use blocksim_robot::Robot;
+use blocksim_robotics::robot::Robot;
 use blocksim_tests::{Desk, Run, compile_file, root, run};
 use nalgebra::Vector3;
 

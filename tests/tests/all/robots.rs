@@ -4,7 +4,7 @@ use std::path::Path;
 
 use blocksim_blocks::robotics::RobotDescription;
 use blocksim_diagram::{Sources, parameter};
-use blocksim_robot::Robot;
+use blocksim_robotics::robot::Robot;
 use blocksim_tests::{Desk, Run, compile_file, compile_with, root, run};
 use expect_test::expect;
 

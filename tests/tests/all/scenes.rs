@@ -1,7 +1,7 @@
 //! What is seen of mechanisms: a recording and a scene together tell where everything is.
 
-use blocksim_collision::{Check, Rules};
 use blocksim_multibody::Placement;
+use blocksim_robotics::collision::{Check, Rules};
 use blocksim_tests::{compile_file, compile_text, run};
 use nalgebra::Vector3;
 

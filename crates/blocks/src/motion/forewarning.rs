@@ -3,9 +3,9 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use blocksim_block::prelude::*;
-use blocksim_motion::AxisLimits;
-use blocksim_planner::{Course, Finding, Severity, inspect_axes, review};
-use blocksim_robot::Robot;
+use blocksim_robotics::motion::AxisLimits;
+use blocksim_robotics::planner::{Course, Finding, Severity, inspect_axes, review};
+use blocksim_robotics::robot::Robot;
 
 use super::joint_path::JointPath;
 use crate::robotics::{RobotDescription, Surroundings};

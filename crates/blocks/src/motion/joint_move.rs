@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
-use blocksim_motion::{AxisKind, AxisLimits};
-use blocksim_planner::Course;
+use blocksim_robotics::motion::{AxisKind, AxisLimits};
+use blocksim_robotics::planner::Course;
 use std::sync::Arc;
 
 use super::forewarning::{Subject, forewarn};

@@ -2,7 +2,7 @@
 
 use blocksim_block::in_unit::{self, AxisValue};
 use blocksim_block::prelude::*;
-use blocksim_planner::Scrutiny;
+use blocksim_robotics::planner::Scrutiny;
 use serde::de::IgnoredAny;
 
 use super::tool_path::ToolPath;

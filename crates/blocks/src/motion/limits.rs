@@ -2,7 +2,7 @@
 
 use blocksim_block::in_unit::{self, AxisValue};
 use blocksim_block::prelude::*;
-use blocksim_motion::{AxisKind, AxisLimits};
+use blocksim_robotics::motion::{AxisKind, AxisLimits};
 
 /// What one axis can do, in rad where it turns and in m where it slides.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use blocksim_block::in_unit::AxisValue;
 use blocksim_block::prelude::*;
-use blocksim_motion::{
+use blocksim_robotics::motion::{
     AxisKind, AxisLimits, Endpoint, JointMove, JointMoveRequest, MoveError, Synchronisation,
 };
-use blocksim_planner::{CartesianMove, Course, PlanError, Reason, Sequence, SequenceError, Start, Step};
-use blocksim_robot::Robot;
+use blocksim_robotics::planner::{
+    CartesianMove, Course, PlanError, Reason, Sequence, SequenceError, Start, Step,
+};
+use blocksim_robotics::robot::Robot;
 
 use super::joint_path::{JointPath, NextMove, Rule};
 use super::limits::of_kinds;

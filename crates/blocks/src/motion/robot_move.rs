@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 use blocksim_multibody::{Data, forward_kinematics, relative_jacobian};
-use blocksim_planner::Course;
+use blocksim_robotics::planner::Course;
 use std::sync::Arc;
 
 use super::forewarning::{Subject, forewarn};
@@ -52,7 +52,7 @@ pub struct RobotMove {
     pub rule: Rule,
     /// The robot and its move; made by `build`.
     #[block(skip)]
-    plan: Option<(blocksim_robot::Robot, Arc<dyn Course>)>,
+    plan: Option<(blocksim_robotics::robot::Robot, Arc<dyn Course>)>,
     /// Times that are hit exactly, counted from the start of the move, s.
     #[block(skip)]
     seams: Vec<f64>,

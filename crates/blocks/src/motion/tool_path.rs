@@ -3,7 +3,7 @@
 use blocksim_block::in_unit;
 use blocksim_block::prelude::*;
 use blocksim_multibody::EulerZyx;
-use blocksim_planner::{CartesianRequest, Orientation, Speeds, Start, Timing, Turning};
+use blocksim_robotics::planner::{CartesianRequest, Orientation, Speeds, Start, Timing, Turning};
 use nalgebra::Vector3;
 
 use crate::robotics::Seat;

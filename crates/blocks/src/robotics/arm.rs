@@ -4,9 +4,9 @@ use std::any::Any;
 use std::fmt::Debug;
 
 use blocksim_block::prelude::*;
-use blocksim_motion::AxisKind;
 use blocksim_multibody::Frame;
-use blocksim_robot::Robot;
+use blocksim_robotics::motion::AxisKind;
+use blocksim_robotics::robot::Robot;
 use blocksim_signal::Unit;
 
 use super::RobotDescription;

@@ -4,10 +4,11 @@ use blocksim_block::Shapes;
 use blocksim_block::in_unit::{self, AxisValue};
 use blocksim_block::physical::Element;
 use blocksim_block::prelude::*;
-use blocksim_motion::AxisKind;
 use blocksim_multibody::{Inertia, Placement};
-use blocksim_planner::{RobotShapes, Rules, Space};
-use blocksim_robot::{Drive, Friction, Link, Parts, Robot, RobotError, Solid, TcpLimits};
+use blocksim_robotics::collision::Rules;
+use blocksim_robotics::motion::AxisKind;
+use blocksim_robotics::planner::{RobotShapes, Space};
+use blocksim_robotics::robot::{Drive, Friction, Link, LinkSolid, Parts, Robot, RobotError, TcpLimits};
 use blocksim_scene::Shape;
 use serde::de::IgnoredAny;
 
@@ -377,7 +378,7 @@ impl JointLink {
         self.drive.gear.transmission(self.kind(), path)
     }
 
-    fn link(&self, solids: Vec<Solid>, what: &str, path: &str) -> Result<Link, ParamError> {
+    fn link(&self, solids: Vec<LinkSolid>, what: &str, path: &str) -> Result<Link, ParamError> {
         if self.axis.is_some() == self.slide.is_some() {
             let fact = if self.axis.is_some() { "both turns and slides" } else { "neither turns nor slides" };
             return Err(ParamError::new(path, format!("{what} {fact}"))
@@ -421,9 +422,9 @@ impl BodyData {
             .element(self.element(frame))
     }
 
-    fn solid(&self, placement: Placement, path: &str) -> Result<Solid, ParamError> {
+    fn solid(&self, placement: Placement, path: &str) -> Result<LinkSolid, ParamError> {
         match Inertia::from_moments(self.mass, self.com, self.moi, self.poi) {
-            Ok(inertia) => Ok(Solid { placement, inertia }),
+            Ok(inertia) => Ok(LinkSolid { placement, inertia }),
             Err(error) => Err(ParamError::new(path, error.to_string())
                 .help("moi are Ixx, Iyy, Izz, poi are Iyz, Izx, Ixy of the tensor about the centre of mass")),
         }

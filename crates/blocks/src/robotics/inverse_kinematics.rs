@@ -1,9 +1,9 @@
 use blocksim_block::prelude::*;
-use blocksim_kinematics::{
+use blocksim_multibody::{EulerZyx, Model, Placement};
+use blocksim_robotics::kinematics::{
     Configuration, Constraint, Elbow, JointRange, Options, Shoulder, Solution, Solver, Status, Wrist,
 };
-use blocksim_multibody::{EulerZyx, Model, Placement};
-use blocksim_robot::Robot;
+use blocksim_robotics::robot::Robot;
 
 use super::RobotDescription;
 use super::arm::{Arm, OfArm, OfAxes};

@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 use blocksim_multibody::{Data, forward_kinematics, relative_jacobian};
-use blocksim_robot::Robot;
+use blocksim_robotics::robot::Robot;
 
 use super::RobotDescription;
 use super::arm::{Arm, End, OfArm, OfAxes};

@@ -1,8 +1,8 @@
 use blocksim_block::in_unit::AxisPositions;
 use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
-use blocksim_motion::AxisKind;
 use blocksim_multibody::Placement;
+use blocksim_robotics::motion::AxisKind;
 use blocksim_scene::Form;
 
 use super::RobotDescription;

@@ -51,7 +51,7 @@ impl Surroundings {
     ///
     /// # Errors
     /// A name that is empty or has another meaning, and a floor at no height, with their path below `param`.
-    pub fn space(&self, param: &str) -> Result<blocksim_planner::Surroundings, ParamError> {
+    pub fn space(&self, param: &str) -> Result<blocksim_robotics::planner::Surroundings, ParamError> {
         let floor = self.floor.map(|floor| floor.height);
         floor
             .map_or(Ok(()), |height| finite("floor", height))
@@ -65,6 +65,6 @@ impl Surroundings {
             }
         }
         let things = self.things.iter().map(|thing| (thing.name.clone(), thing.shapes.0.clone())).collect();
-        Ok(blocksim_planner::Surroundings { floor, things })
+        Ok(blocksim_robotics::planner::Surroundings { floor, things })
     }
 }

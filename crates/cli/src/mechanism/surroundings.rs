@@ -4,9 +4,9 @@ use std::path::Path;
 
 use blocksim_block::problem::Problem;
 use blocksim_blocks::robotics::Surroundings;
-use blocksim_collision::{Check, Rules};
 use blocksim_diagram::{Sources, has_parameter, parameter};
 use blocksim_multibody::Placement;
+use blocksim_robotics::collision::{Check, Rules};
 use blocksim_scene::{Form, Purpose, Scene, SceneShape, Shape};
 use serde_json::{Value, json};
 

@@ -1,6 +1,6 @@
 //! What touches in a run, and how near the rest comes.
 
-use blocksim_collision::{Check, History};
+use blocksim_robotics::collision::{Check, History};
 use blocksim_scene::Scene;
 
 use super::recorded::Movement;

@@ -1,7 +1,7 @@
 //! What is said of contacts and distances: to people, as data.
 
-use blocksim_collision::Nearest;
 use blocksim_numbers::format::fixed;
+use blocksim_robotics::collision::Nearest;
 use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 

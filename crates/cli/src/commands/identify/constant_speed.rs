@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use blocksim_identify::Point;
-use blocksim_motion::Profile;
 use blocksim_multibody::crba;
+use blocksim_robotics::motion::Profile;
 
 use super::bench::{Bench, Experiment, Rows};
 use super::course::ConstantSpeed;

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use blocksim_block::{Block, Context, Scratch};
-use blocksim_motion::Profile;
+use blocksim_robotics::motion::Profile;
 
 /// Set values of a joint over time.
 pub trait Course: Debug + Send + Sync {

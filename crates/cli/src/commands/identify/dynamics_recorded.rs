@@ -1,8 +1,8 @@
 //! `blocksim identify dynamics --from`.
 
 use blocksim_identify::{BaseParameters, Recording, Treated, identify, prediction_error};
-use blocksim_motion::AxisKind;
 use blocksim_numbers::format::significant;
+use blocksim_robotics::motion::AxisKind;
 use serde_json::json;
 
 use super::dynamics::{SAMPLES, no_base, root_mean_square};

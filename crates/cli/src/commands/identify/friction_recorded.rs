@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use blocksim_identify::{DriveFit, DriveSample, Estimate, Recording, drive};
-use blocksim_motion::AxisKind;
 use blocksim_numbers::format::significant;
+use blocksim_robotics::motion::AxisKind;
 use blocksim_terminal::{Align, Table as Printed};
 use serde_json::json;
 

@@ -30,7 +30,7 @@ pub struct Arm {
     /// As it is written.
     pub description: RobotDescription,
     /// Assembled.
-    pub robot: blocksim_robot::Robot,
+    pub robot: blocksim_robotics::robot::Robot,
 }
 
 /// The robot of the diagram, by its description.

@@ -1,6 +1,6 @@
 //! What is told of collisions and distances.
 
-use blocksim_planner::{Encounter, Encounters, Space};
+use blocksim_robotics::planner::{Encounter, Encounters, Space};
 use serde_json::{Value, json};
 
 /// For people.

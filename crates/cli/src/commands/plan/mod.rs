@@ -12,13 +12,14 @@ use blocksim_block::ParamError;
 use blocksim_blocks::motion::{JointPath, Rule, Segments, ToolPath, refused, replanned};
 use blocksim_blocks::robotics::RobotDescription;
 use blocksim_diagram::{Reader, Sources, parameter};
-use blocksim_motion::AxisLimits;
 use blocksim_multibody::{EulerZyx, Placement};
-use blocksim_planner::{
-    CartesianRequest, Chosen, Configuration, Course, Findings, Quantity, Review, Space, Start, choose,
-    configurations, review,
+use blocksim_robotics::kinematics::Configuration;
+use blocksim_robotics::motion::AxisLimits;
+use blocksim_robotics::planner::{
+    CartesianRequest, Chosen, Course, Findings, Quantity, Review, Space, Start, choose, configurations,
+    review,
 };
-use blocksim_robot::Robot;
+use blocksim_robotics::robot::Robot;
 use nalgebra::Vector3;
 use serde_json::Value;
 

@@ -1,11 +1,11 @@
 //! What is told of a planned move, and the file that is written.
 
-use blocksim_motion::AxisKind;
 use blocksim_numbers::format::significant;
-use blocksim_planner::{
+use blocksim_robotics::motion::AxisKind;
+use blocksim_robotics::planner::{
     AxisExtremes, Chosen, Course, Finding, Findings, Review, Severity, Tried, configuration_word,
 };
-use blocksim_robot::Robot;
+use blocksim_robotics::robot::Robot;
 use serde_json::{Value, json};
 
 use crate::terminal::format::short_time;

@@ -2,8 +2,8 @@
 
 use blocksim_blocks::robotics::{RobotDescription, Surroundings};
 use blocksim_diagram::{Reader, Sources, has_parameter};
-use blocksim_planner::Space;
-use blocksim_robot::Robot;
+use blocksim_robotics::planner::Space;
+use blocksim_robotics::robot::Robot;
 
 use super::{read as value, told};
 use crate::args::plan::PlanCommon;

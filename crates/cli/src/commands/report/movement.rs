@@ -50,7 +50,7 @@ pub fn read(
     Ok(Some(Animation { scene, surfaces, time, positions, set, efforts, contacts, unlooked }))
 }
 
-fn contact(found: blocksim_collision::Contact) -> Contact {
+fn contact(found: blocksim_robotics::collision::Contact) -> Contact {
     let depth = -found.deepest.distance.distance;
     Contact { from: found.from, to: found.to, names: found.names, depth }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use blocksim_block::ParamError;
 use blocksim_blocks::motion::{JointPath, NextMove};
-use blocksim_motion::{AxisKind, AxisLimits};
+use blocksim_robotics::motion::{AxisKind, AxisLimits};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 

@@ -2,7 +2,7 @@
 
 use blocksim_block::in_unit::AxisValue;
 use blocksim_blocks::motion::JointPath;
-use blocksim_motion::{AxisKind, AxisLimits};
+use blocksim_robotics::motion::{AxisKind, AxisLimits};
 use blocksim_syntax::{Name, Node, Shape, Tokens, read};
 use serde_json::{Map, Value, json};
 

@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use blocksim_blocks::motion::{JointPath, Segments};
 use blocksim_diagram::{Reader, Sources, has_parameter, parameter};
-use blocksim_motion::{AxisKind, AxisLimits};
-use blocksim_planner::{Course, pose};
-use blocksim_robot::Robot;
+use blocksim_robotics::motion::{AxisKind, AxisLimits};
+use blocksim_robotics::planner::{Course, pose};
+use blocksim_robotics::robot::Robot;
 use blocksim_studio::Reply;
 use serde_json::{Value, json};
 

@@ -1,0 +1,4 @@
+//! Inverse kinematics and moves against answers of other methods.
+
+mod inverse;
+mod moves;
