@@ -100,10 +100,13 @@ pub fn replanned(
         return Err(ParamError::new(format!("{param}.wait"), "there is no move behind the wait")
             .help("leave it out, or give `moves`; a block that starts later has a `delay`"));
     }
-    if path.moves.is_empty() {
+    // With a zone it is a sequence of one move, which has a note of that.
+    if path.moves.is_empty() && path.zone == 0.0 {
         return known_or_planned(&first, &start, limits, rule, robot, param, segments);
     }
-    let robot = robot.ok_or_else(|| no_robot(&format!("{param}.moves")))?;
+    let robot = robot.ok_or_else(|| {
+        no_robot(&format!("{param}.{}", if path.moves.is_empty() { "zone" } else { "moves" }))
+    })?;
     let mut steps: Vec<Step> = Vec::new();
     steps.push(Step {
         course: known_or_planned(&first, &start, limits, rule, Some(robot), param, segments)?,

@@ -368,3 +368,22 @@ fn a_move_that_is_of_the_joints_and_of_the_tool_is_refused() {
         );
     }
 }
+
+#[test]
+fn a_zone_behind_the_last_move_has_a_note() {
+    let with = |zone: &str, rest: &str| {
+        let file = Fresh::named("zone.ron");
+        let first = r#"target: ["10 deg", 0, 0, 0, "30 deg", 0], velocity: "40 %", acceleration: "30 %""#;
+        let text = format!("JointMove(start: [0, 0, 0, 0, \"30 deg\", 0], {first}, {zone} {rest})");
+        std::fs::write(file.path(), text).unwrap();
+        plan(&["sequence", file.path()])
+    };
+    let zone = r#"zone: "20 mm","#;
+    let (code, out, err) = with(zone, "");
+    assert!(code == 0 && out.contains("the zone of 20 mm behind move 1 has no effect"), "{code}\n{out}{err}");
+    let back = r#"moves: [(target: [0, 0, 0, 0, "30 deg", 0], velocity: "40 %", acceleration: "30 %", zone: "20 mm")]"#;
+    let (code, out, err) = with("", back);
+    assert!(code == 0 && out.contains("the zone of 20 mm behind move 2 has no effect"), "{code}\n{out}{err}");
+    let (code, _, err) = with(r#"zone: "-20 mm","#, "");
+    assert!(code != 0 && err.contains("the zone is negative"), "{code}\n{err}");
+}

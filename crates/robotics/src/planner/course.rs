@@ -95,6 +95,15 @@ pub enum Note {
         /// When the next move begins, s.
         t: f64,
     },
+    /// A zone behind the last move, where the tool stops all the same.
+    LastZone {
+        /// Index of the move.
+        step: usize,
+        /// Radius of the zone that was asked for, m.
+        zone: f64,
+        /// When the move ends, s.
+        t: f64,
+    },
     /// The tool goes slower along its path, because its orientation must not turn faster.
     Turning {
         /// Index of the move in a sequence.
@@ -115,6 +124,7 @@ impl Note {
     pub fn code(&self) -> &'static str {
         match self {
             Note::Corner { .. } => "corner_shortened",
+            Note::LastZone { .. } => "zone_at_the_end",
             Note::Turning { .. } => "slowed_by_turning",
         }
     }
@@ -122,7 +132,7 @@ impl Note {
     /// When it is, s.
     pub fn t(&self) -> f64 {
         match self {
-            Note::Corner { t, .. } | Note::Turning { t, .. } => *t,
+            Note::Corner { t, .. } | Note::LastZone { t, .. } | Note::Turning { t, .. } => *t,
         }
     }
 
@@ -130,6 +140,7 @@ impl Note {
     pub fn values(&self) -> [f64; 2] {
         match *self {
             Note::Corner { zone, reached, .. } => [zone, reached],
+            Note::LastZone { zone, .. } => [zone, 0.0],
             Note::Turning { velocity, allowed, .. } => [velocity, allowed],
         }
     }
@@ -138,6 +149,7 @@ impl Note {
     pub fn help(&self) -> &'static str {
         match self {
             Note::Corner { .. } => "lengthen the shorter of the two moves, or make the zone smaller",
+            Note::LastZone { .. } => "leave the zone out, or add the move that follows",
             Note::Turning { .. } => "raise `rotation_velocity`, or turn the tool over a longer path",
         }
     }
@@ -153,6 +165,12 @@ impl fmt::Display for Note {
                 step + 1,
                 short(1e3 * reached),
                 short(1e3 * zone)
+            ),
+            Note::LastZone { step, zone, .. } => write!(
+                f,
+                "the zone of {} mm behind move {} has no effect, because no move follows: the tool stops there",
+                short(1e3 * zone),
+                step + 1
             ),
             Note::Turning { step, velocity, allowed, turning, .. } => {
                 if let Some(step) = step {

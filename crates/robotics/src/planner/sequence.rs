@@ -144,6 +144,9 @@ impl Sequence {
             }
         }
         let duration = t + steps.last().map_or(0.0, |step| step.course.duration() + step.wait);
+        if let Some(last) = steps.last().filter(|last| last.zone > 0.0) {
+            corners.push(Note::LastZone { step: steps.len() - 1, zone: last.zone, t: duration });
+        }
         Ok(Sequence { steps, begins, starts, duration, corners })
     }
 }
@@ -240,7 +243,7 @@ impl Course for Sequence {
                 Note::Turning { velocity, allowed, turning, t, .. } => {
                     Note::Turning { step: Some(i), velocity, allowed, turning, t: t + begin }
                 }
-                corner @ Note::Corner { .. } => corner,
+                corner @ (Note::Corner { .. } | Note::LastZone { .. }) => corner,
             };
             step.course.notes().into_iter().map(place).collect::<Vec<_>>()
         };

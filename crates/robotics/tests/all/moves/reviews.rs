@@ -39,6 +39,21 @@ fn a_corner_that_is_rounded_less_than_asked_is_noted_with_what_is_reached() {
 }
 
 #[test]
+fn a_zone_behind_the_last_move_is_no_silent_stop() {
+    let robot = robot();
+    let only =
+        CartesianMove::plan(&robot, &request(&robot, [0.0, -0.1, 0.0], Orientation::Fixed, Timing::Sin2));
+    let steps = vec![Step { course: Arc::new(only.unwrap()), zone: 0.03, wait: 0.0 }];
+    let joined = Sequence::join(&robot, steps).unwrap();
+    let found = review(&robot, &joined, None, &Scrutiny::default(), None);
+    let [note] = &found.all[..] else { panic!("{:?}", found.all) };
+    assert_eq!((note.code, note.severity, note.limit), ("zone_at_the_end", Severity::Note, 0.03));
+    assert_eq!(note.message.split(',').next(), Some("the zone of 30 mm behind move 1 has no effect"));
+    assert_eq!((note.spot.t, note.spot.step), (joined.duration(), Some(0)));
+    assert!(found.passes());
+}
+
+#[test]
 fn a_threshold_of_singular_poses_is_that_of_whoever_looks() {
     let robot = robot();
     let planned =
