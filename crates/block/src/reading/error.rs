@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display};
 
-use serde::de::Error;
+use serde::de::{Error, Expected, Unexpected};
 
 /// An error of the concrete deserializer. It keeps what deserializers word for themselves.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,6 +60,22 @@ impl Error for ReadError {
         Self::from_text(message)
     }
 
+    /// A whole number that its type cannot hold, which serde words with the name of that type.
+    fn invalid_value(unexpected: Unexpected, expected: &dyn Expected) -> Self {
+        let found = match unexpected {
+            Unexpected::Signed(value) => i128::from(value),
+            Unexpected::Unsigned(value) => i128::from(value),
+            _ => return Self::custom(format_args!("invalid value: {unexpected}, expected {expected}")),
+        };
+        ReadError::Text(match greatest(&expected.to_string()) {
+            Some(_) if found < 0 => {
+                format!("expected a whole number that is not negative, found {found}")
+            }
+            Some(greatest) => format!("expected a whole number up to {greatest}, found {found}"),
+            None => format!("invalid value: {unexpected}, expected {expected}"),
+        })
+    }
+
     fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
         ReadError::UnknownField(field.to_owned(), expected)
     }
@@ -74,5 +90,37 @@ impl Error for ReadError {
 
     fn duplicate_field(field: &'static str) -> Self {
         ReadError::DuplicateField(field)
+    }
+}
+
+/// The greatest number of a type without a sign, by the name of the type.
+fn greatest(name: &str) -> Option<u64> {
+    match name {
+        "u8" => Some(u8::MAX.into()),
+        "u16" => Some(u16::MAX.into()),
+        "u32" => Some(u32::MAX.into()),
+        "u64" | "usize" => Some(u64::MAX),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+    use serde::de::IntoDeserializer;
+    use serde::de::value::{I64Deserializer, U64Deserializer};
+
+    use super::ReadError;
+
+    #[test]
+    fn whole_numbers_that_do_not_fit_are_explained_without_names_of_types() {
+        let number: I64Deserializer<ReadError> = (-3_i64).into_deserializer();
+        let said = usize::deserialize(number).expect_err("negative").to_string();
+        assert_eq!(said, "expected a whole number that is not negative, found -3");
+        let number: U64Deserializer<ReadError> = 5_000_000_000_u64.into_deserializer();
+        let said = u32::deserialize(number).expect_err("too large").to_string();
+        assert_eq!(said, "expected a whole number up to 4294967295, found 5000000000");
+        let number: I64Deserializer<ReadError> = 7_i64.into_deserializer();
+        assert_eq!(usize::deserialize(number), Ok(7));
     }
 }

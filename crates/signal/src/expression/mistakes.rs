@@ -52,6 +52,10 @@ impl<M: Meaning> Parser<'_, M> {
 
     pub(super) fn unknown_name(&self, word: &str, span: Range<usize>) -> ExprError {
         let error = ExprError::new(span, format!("unknown name `{word}`"));
+        if matches!(word.to_ascii_lowercase().as_str(), "nan" | "inf" | "infinity") {
+            let error = ExprError::new(error.span, format!("`{word}` is not a finite number"));
+            return error.help("write a number; the largest is about 1.8e308");
+        }
         let names = self.scope.names();
         let known = names.iter().map(String::as_str).chain(["pi", "true", "false"]);
         if is_unit(word) {

@@ -286,6 +286,8 @@ fn names_and_units_are_spelled_out() {
         ),
         ("sqr(2)", 0..3, "unknown function `sqr`", "did you mean `sqrt`?"),
         ("sqrt + 1", 0..4, "unknown name `sqrt`", "`sqrt` is a function; write sqrt(...)"),
+        ("1 + NaN", 4..7, "`NaN` is not a finite number", "write a number; the largest is about 1.8e308"),
+        ("-inf", 1..4, "`inf` is not a finite number", "write a number; the largest is about 1.8e308"),
         ("1 + broken", 4..10, "`broken` refers to itself", ""),
     ]);
 }
