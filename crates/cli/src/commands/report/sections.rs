@@ -9,10 +9,10 @@ use crate::failure::Failure;
 /// Longest name of an author.
 const NAME: usize = 200;
 
-/// What is asked for makes sense.
+/// Compares options that may contradict each other.
 ///
 /// # Errors
-/// A name that is none, and a section that is both asked for and left out.
+/// The name is empty or too long, or 3D is both asked for and left out.
 pub fn check(args: &ReportArgs) -> Result<(), Failure> {
     if args.no_3d && args.sections.contains(&Section::Space) {
         return Err(
