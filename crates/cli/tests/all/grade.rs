@@ -30,8 +30,9 @@ fn class() -> Desk {
     hand_in("bert", Some(&model("5 1/s")));
     hand_in("carl <b>", Some(&model("6 kg")));
     hand_in("dora", None);
-    // A step for each microsecond of a year.
-    let endless = model("6 1/s").replace("\"2 s\"", "\"1e7 s\", solver: Ode4(step: \"1 us\")");
+    // A step for each microsecond of months.
+    let endless =
+        model("6 1/s").replace("\"2 s\"", "\"1e7 s\", solver: Ode4(step: \"1 us\"), output: Every(\"1 s\")");
     hand_in("emil", Some(&endless));
     desk
 }
