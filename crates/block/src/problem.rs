@@ -110,7 +110,12 @@ impl Problem {
 
     /// The change of the text that mends it, if no other one is likely.
     pub fn remedy(&self) -> Option<&Edit> {
-        self.labels.iter().find_map(|label| label.edit.as_ref())
+        self.remedies().next()
+    }
+
+    /// The changes of all its places.
+    pub fn remedies(&self) -> impl Iterator<Item = &Edit> {
+        self.labels.iter().filter_map(|label| label.edit.as_ref())
     }
 
     /// Adds a further fact.

@@ -1,7 +1,7 @@
 //! Connections of one level: every name exists, directions fit, every input has one driver.
 
 use blocksim_block::physical::Domain;
-use blocksim_block::problem::{Place, Problem};
+use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::{closest, surely};
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
@@ -66,6 +66,8 @@ struct Wiring<'a> {
     adrift: HashSet<&'a str>,
     /// Blocks whose name stands twice: which of them is meant nobody knows.
     doubled: HashSet<&'a str>,
+    /// Ports that a file was told to lack, which is one cause however many blocks are of this file.
+    lacking: HashSet<(FileId, &'a str)>,
     /// Names that nothing has, so far.
     unknown: usize,
     /// How often connections name what they join.
@@ -95,6 +97,7 @@ impl<'a> Wiring<'a> {
             misnamed: HashSet::new(),
             adrift: HashSet::new(),
             doubled,
+            lacking: HashSet::new(),
             unknown: 0,
             named,
             told: HashSet::new(),
@@ -123,6 +126,9 @@ impl<'a> Wiring<'a> {
         if found.is_none() {
             self.unknown += 1;
             self.adrift.insert(&reference.port);
+            if self.ast().unread.blocks {
+                return None;
+            }
             if self.told.contains(reference.block.as_str()) || self.defined_otherwise(reference) {
                 return None;
             }
@@ -138,6 +144,10 @@ impl<'a> Wiring<'a> {
                 let problem = mended(problem, place, &reference.block, known.iter().copied());
                 match closest(&reference.block, known.iter().copied()) {
                     Some(close) => problem.help(format!("did you mean `{close}`?")),
+                    None if reference.block == "out" => problem.help(format!(
+                        "outputs are declared: `outputs: {{ \"{}\": \"block.port\" }}`",
+                        reference.port
+                    )),
                     None => problem.help(format!("the blocks here are {}", list(&known))),
                 }
             });
@@ -178,6 +188,11 @@ impl<'a> Wiring<'a> {
             return Some(port);
         }
         self.misnamed.insert(&reference.block);
+        if let Content::Diagram(inside) = &block.content
+            && !self.lacking.insert((inside.ast.file, &reference.port))
+        {
+            return None;
+        }
         let known = match side {
             "input" => block.inputs(),
             "output" => block.outputs(),
@@ -225,7 +240,7 @@ impl<'a> Wiring<'a> {
 
     fn own_input(&mut self, reference: &Reference) {
         let known: Vec<&str> = self.ast().inputs.iter().map(|(name, _)| name.text.as_str()).collect();
-        if known.contains(&reference.port.as_str()) {
+        if known.contains(&reference.port.as_str()) || self.ast().unread.inputs {
             return;
         }
         let place = self.ast().place(&reference.span);
@@ -356,6 +371,9 @@ impl<'a> Wiring<'a> {
     }
 
     fn unconnected(&mut self) {
+        if self.ast().unread.connections {
+            return;
+        }
         for block in &self.model.blocks {
             let needed: Vec<(String, bool)> = match &block.content {
                 Content::Block { interface, .. } => interface
@@ -363,6 +381,8 @@ impl<'a> Wiring<'a> {
                     .iter()
                     .map(|input| (input.name.clone(), input.default.is_some()))
                     .collect(),
+                // One of these is called otherwise inside.
+                Content::Diagram(inside) if inside.ast.lacks_inputs() => Vec::new(),
                 Content::Diagram(inside) => inside.inputs().map(|name| (name.to_owned(), false)).collect(),
                 Content::Unknown => Vec::new(),
             };

@@ -84,7 +84,7 @@ pub enum PortKind {
     Output,
     /// A conserving port.
     Conserving(Domain),
-    /// Anything: the block could not be read.
+    /// Anything: the block, or what it offers, could not be read.
     Anything,
 }
 
@@ -166,7 +166,11 @@ impl ModelBlock {
                 if model.inputs().any(|input| input == name) {
                     return Some(PortKind::Input);
                 }
-                model.ast.ports.iter().find(|(port, _)| port.text == name)?;
+                if !model.ast.ports.iter().any(|(port, _)| port.text == name) {
+                    // Such a port may be written there, or the diagram itself misses it.
+                    let is_known = model.ast.unread.interface() || model.ast.lacks_input(name);
+                    return is_known.then_some(PortKind::Anything);
+                }
                 Some(model.port_domain(name).map_or(PortKind::Anything, PortKind::Conserving))
             }
         }

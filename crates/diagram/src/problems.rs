@@ -1,10 +1,12 @@
 //! Problems are gathered, not thrown: one report shows all of them.
 
+use std::collections::hash_map::Entry;
+
 use blocksim_block::UNTRUSTED;
 use blocksim_block::problem::{FileId, Place, Problem, Severity};
 use blocksim_signal::{closest, surely};
 use blocksim_syntax::SyntaxError;
-use foldhash::HashMap;
+use foldhash::{HashMap, HashSet};
 
 /// The problems found so far. A problem that is found twice (six instances of one file) is kept once.
 #[derive(Debug, Clone, Default)]
@@ -12,6 +14,8 @@ pub(crate) struct Problems {
     all: Vec<Problem>,
     /// Problems by their message and first place, to find one that is known.
     known: HashMap<(String, Option<Start>), Vec<usize>>,
+    /// Whether not all parameters of a diagram could be read: names that are unknown, there or further inside, may be among them.
+    unread: bool,
 }
 
 /// What is wrong with the text of a file that is not RON.
@@ -35,8 +39,16 @@ fn start(problem: &Problem) -> Option<Start> {
 }
 
 impl Problems {
+    /// Not all parameters of a diagram could be read, which has been told.
+    pub(crate) fn parameters_are_unread(&mut self) {
+        self.unread = true;
+    }
+
     /// Adds a problem.
     pub(crate) fn push(&mut self, problem: Problem) {
+        if self.unread && problem.code == "expression" && problem.message.starts_with("unknown name") {
+            return;
+        }
         // That a plug-in is not trusted is one cause, however many blocks it has: the advice names the plug-in.
         let is_about_trust = problem.code == UNTRUSTED;
         let same = |other: &usize| {
@@ -58,11 +70,11 @@ impl Problems {
         more.into_iter().for_each(|problem| self.push(problem));
     }
 
-    /// All, errors first, in the order of files and places.
+    /// All, errors first, in the order of files and places; of one cause there is one.
     pub(crate) fn sorted(&self) -> Vec<Problem> {
         let mut all = self.all.clone();
         all.sort_by_key(|problem| (problem.severity, start(problem)));
-        all
+        one_of_each_cause(all)
     }
 
     /// Whether a block that is declared by another name was told to be meant by this one.
@@ -75,6 +87,83 @@ impl Problems {
     pub(crate) fn any_error(&self) -> bool {
         self.all.iter().any(|problem| problem.severity == Severity::Error)
     }
+}
+
+/// Codes of problems whose message names the cause: what is missed has one name wherever it is used.
+const NAMED: [&str; 6] = [
+    "unknown_block_name",
+    "unknown_port",
+    "unknown_element",
+    "unknown_parameter",
+    "missing_parameter",
+    "expression",
+];
+
+/// Most places of one cause that are shown.
+const PLACES: usize = 4;
+
+/// Problems of one cause become one: what a file says wrong for all of its instances, and what is missed in several places of a file.
+fn one_of_each_cause(all: Vec<Problem>) -> Vec<Problem> {
+    // What a block does not take up is missing in its bus as well.
+    let ports: HashSet<String> = all
+        .iter()
+        .filter(|problem| problem.code == "unknown_port")
+        .filter_map(|problem| last_name(&problem.message))
+        .collect();
+    let follows = |problem: &Problem| {
+        problem.code == "unknown_element"
+            && last_name(&problem.message).is_some_and(|name| ports.contains(&name))
+    };
+    let mut kept: Vec<Problem> = Vec::with_capacity(all.len());
+    let mut instances: HashMap<(&str, Option<Start>, String), (usize, usize)> = HashMap::default();
+    let mut places: HashMap<(&str, FileId, String), (usize, usize)> = HashMap::default();
+    for problem in all.into_iter().filter(|problem| !follows(problem)) {
+        let at = start(&problem);
+        match instances.entry((problem.code, at, without_paths(&problem.message))) {
+            Entry::Occupied(mut first) => {
+                first.get_mut().1 += 1;
+                continue;
+            }
+            Entry::Vacant(new) => new.insert((kept.len(), 0)),
+        };
+        if let (true, Some((file, _))) = (NAMED.contains(&problem.code), at) {
+            match places.entry((problem.code, file, problem.message.clone())) {
+                Entry::Occupied(mut first) => {
+                    let (index, more) = first.get_mut();
+                    match kept[*index].labels.len() < PLACES {
+                        true => kept[*index].labels.extend(problem.labels),
+                        false => *more += 1,
+                    }
+                    continue;
+                }
+                Entry::Vacant(new) => new.insert((kept.len(), 0)),
+            };
+        }
+        kept.push(problem);
+    }
+    for (index, more) in instances.into_values().filter(|(_, more)| *more > 0) {
+        let noun = if more == 1 { "instance" } else { "instances" };
+        kept[index].notes.push(format!("{more} more {noun} of this file have the same"));
+    }
+    for (index, more) in places.into_values().filter(|(_, more)| *more > 0) {
+        let noun = if more == 1 { "place" } else { "places" };
+        kept[index].notes.push(format!("and in {more} more {noun} of this file"));
+    }
+    kept
+}
+
+/// The last name in quotes of a message.
+fn last_name(message: &str) -> Option<String> {
+    message.rsplit('`').nth(1).map(str::to_owned)
+}
+
+/// A message whose names of blocks have no path in front, which is what differs between instances of one file.
+fn without_paths(message: &str) -> String {
+    let name = |(at, part): (usize, &str)| match at % 2 {
+        1 => part.rsplit('/').next().unwrap_or_default().to_owned(),
+        _ => part.to_owned(),
+    };
+    message.split('`').enumerate().map(name).collect::<Vec<_>>().join("`")
 }
 
 /// Adds the edit that writes the known word which is meant beyond doubt by the one at a place; the word may stand in

@@ -92,3 +92,93 @@ fn very_many_mistakes_are_all_told() {
     let other = found.iter().find(|code| **code != "unknown_block_name");
     assert_eq!((found.len(), other), (MANY, None));
 }
+
+/// A loop whose law is a file of its own, chosen from two and used twice.
+const TOP: &str = r#"Diagram(
+    simulation: (stop_time: "1 s"),
+    blocks: {
+        "one": Constant(value: 1),
+        "a": Subsystem(file: "loop.ron", with: { "gain": "2 1/s" }),
+        "b": Subsystem(file: "loop.ron", with: { "gain": "3 1/s" }),
+        "scope": Scope(inputs: ["a", "b"]),
+    },
+    connections: ["one.y -> a.set, b.set", "a.actual -> scope.a", "b.actual -> scope.b"],
+)
+"#;
+
+const LOOP: &str = r#"Diagram(
+    parameters: { "gain": Required, "law": Text("p") },
+    inputs: { "set": () },
+    outputs: { "actual": "state.y" },
+    blocks: {
+        "error": Sum(signs: "+-"),
+        "law": Variant(choice: "law", of: { "p": Subsystem(file: "p.ron"), "none": Subsystem(file: "none.ron") }),
+        "state": Integrator(),
+    },
+    connections: ["in.set -> error.u1", "state.y -> error.u2", "error.y -> law.e", "law.rate -> state.u"],
+)
+"#;
+
+const P: &str = r#"Diagram(
+    inputs: { "e": () },
+    outputs: { "rate": "gain.y" },
+    blocks: { "gain": Gain(k: "gain") },
+    connections: ["in.e -> gain.u"],
+)
+"#;
+
+const NONE: &str = r#"Diagram(
+    inputs: { "e": () },
+    outputs: { "rate": "none.y" },
+    blocks: { "none": Gain(k: "0 1/s") },
+    connections: ["in.e -> none.u"],
+)
+"#;
+
+fn codes_of_parts(slip: Option<(&str, &str, &str)>) -> Vec<(&'static str, usize)> {
+    let mut desk = Desk::new();
+    for (name, text) in [("top.ron", TOP), ("loop.ron", LOOP), ("p.ron", P), ("none.ron", NONE)] {
+        let slip = slip.filter(|(file, ..)| *file == name);
+        if let Some((_, right, _)) = slip {
+            assert!(text.contains(right), "`{right}` in {name}");
+        }
+        desk = desk
+            .with(name, &slip.map_or(text.to_owned(), |(_, right, wrong)| text.replacen(right, wrong, 1)));
+    }
+    let sources = Sources::new(&desk);
+    let problems = compile(&sources, Path::new("top.ron"), &[]).problems;
+    problems.iter().map(|problem| (problem.code, problem.labels.len())).collect()
+}
+
+#[test]
+fn one_mistake_in_a_part_is_one_problem_whoever_uses_it() {
+    assert_eq!(codes_of_parts(None), []);
+    for (file, right, wrong, code, places) in [
+        // Sections that are not read: what they would have declared is missed nowhere.
+        ("loop.ron", "inputs:", "input:", "unknown_parameter", 1),
+        ("loop.ron", "outputs:", "otputs:", "unknown_parameter", 1),
+        ("loop.ron", "parameters:", "parametrs:", "unknown_parameter", 1),
+        ("loop.ron", "blocks:", "bloks:", "unknown_parameter", 1),
+        ("loop.ron", "connections:", "wires:", "unknown_parameter", 1),
+        ("p.ron", "outputs:", "results:", "unknown_parameter", 1),
+        ("p.ron", "\"gain.y\"", "(a: 1)", "syntax", 1),
+        ("loop.ron", "\"state.y\" },", "5 },", "syntax", 1),
+        ("loop.ron", "error.u1\", \"", "error.u1 ", "syntax", 1),
+        // One name is wrong where it is declared, and missed wherever it is used.
+        ("p.ron", "inputs: { \"e\"", "inputs: { \"f\"", "unknown_port", 1),
+        ("loop.ron", "inputs: { \"set\"", "inputs: { \"st\"", "unknown_port", 1),
+        ("loop.ron", "\"error\": Sum", "\"difference\": Sum", "unknown_block_name", 3),
+        ("loop.ron", "outputs: { \"actual\"", "outputs: { \"is\"", "unknown_port", 2),
+        ("p.ron", "\"rate\":", "\"slope\":", "variant_ports", 2),
+        // And where it is used.
+        ("top.ron", "\"gain\": \"2 1/s\"", "\"gan\": \"2 1/s\"", "unknown_parameter", 1),
+        ("top.ron", "with: { \"gain\": \"3 1/s\" }", "with: {}", "missing_parameter", 2),
+        ("p.ron", "k: \"gain\"", "k: \"gane\"", "expression", 1),
+        ("loop.ron", "error.u2\", ", "error.u2\", \"state.y -> error.u2\", ", "second_driver", 2),
+        ("loop.ron", "\"state.y -> error.u2\", ", "", "unconnected_input", 1),
+        ("loop.ron", "\"+-\"", "\"5 kg\"", "parameter", 1),
+    ] {
+        let found = codes_of_parts(Some((file, right, wrong)));
+        assert_eq!(found, [(code, places)], "{file}: `{right}` as `{wrong}`");
+    }
+}

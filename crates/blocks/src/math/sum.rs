@@ -19,7 +19,7 @@ pub struct Sum {
 
 impl Sum {
     fn validate(&self, errors: &mut ParamErrors) {
-        for (at, sign) in self.signs.char_indices().filter(|(_, sign)| !matches!(sign, '+' | '-')) {
+        if let Some((at, sign)) = self.signs.char_indices().find(|(_, sign)| !matches!(sign, '+' | '-')) {
             let message = format!("`{sign}` in `signs` is neither + nor -");
             errors.add(ParamError::new("signs", message).within(at..at + sign.len_utf8()));
         }

@@ -39,8 +39,47 @@ pub struct Ast {
     pub record: Vec<RecordAst>,
     /// What changes and shows the model while it runs.
     pub panel: Vec<PanelAst>,
+    /// Sections of which something could not be read.
+    pub unread: Unread,
     /// The word `Diagram`, for problems of the whole.
     pub span: Range<usize>,
+}
+
+/// Sections of which something could not be read, and was reported: what is not found in them may well be written there, so that
+/// it is no further problem.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Unread {
+    /// `parameters`.
+    pub parameters: bool,
+    /// `inputs`.
+    pub inputs: bool,
+    /// `outputs`.
+    pub outputs: bool,
+    /// `ports`.
+    pub ports: bool,
+    /// `blocks`.
+    pub blocks: bool,
+    /// `connections`.
+    pub connections: bool,
+}
+
+impl Unread {
+    /// Whether the diagram may have ports that were not read.
+    pub fn interface(self) -> bool {
+        self.inputs || self.outputs || self.ports
+    }
+
+    fn mark(&mut self, section: &str) {
+        match section {
+            "parameters" => self.parameters = true,
+            "inputs" => self.inputs = true,
+            "outputs" => self.outputs = true,
+            "ports" => self.ports = true,
+            "blocks" => self.blocks = true,
+            "connections" => self.connections = true,
+            _ => {}
+        }
+    }
 }
 
 /// A block as it is written.
@@ -104,6 +143,26 @@ impl ConnectionAst {
 }
 
 impl Ast {
+    /// Inputs of the diagram that its connections and outputs take and that are not declared, which is a problem of this file.
+    fn undeclared(&self) -> impl Iterator<Item = &str> {
+        let used = self.connections.iter().flat_map(ConnectionAst::references);
+        let used = used.chain(self.outputs.iter().map(|(_, reference)| reference));
+        let is_declared = |name: &str| self.inputs.iter().any(|(input, _)| input.text == name);
+        used.filter(|reference| reference.block == "in")
+            .map(|reference| reference.port.as_str())
+            .filter(move |name| !is_declared(name))
+    }
+
+    /// Whether an input of this name is used and not declared.
+    pub fn lacks_input(&self, name: &str) -> bool {
+        self.undeclared().any(|other| other == name)
+    }
+
+    /// Whether any input is used and not declared: one that is declared may be meant.
+    pub fn lacks_inputs(&self) -> bool {
+        self.undeclared().next().is_some()
+    }
+
     /// A place in this file.
     pub fn place(&self, span: &Range<usize>) -> Place {
         Place { file: self.file, span: span.clone() }

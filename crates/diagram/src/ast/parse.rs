@@ -6,7 +6,7 @@ use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::closest;
 use foldhash::{HashMap, HashMapExt};
 
-use super::{Ast, BlockAst, Reference};
+use super::{Ast, BlockAst, Reference, Unread};
 use crate::problems::{Problems, list, mended};
 use blocksim_syntax::{Name, Node, Shape};
 
@@ -75,6 +75,7 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
         connections: Vec::new(),
         record: Vec::new(),
         panel: Vec::new(),
+        unread: Unread::default(),
         span: word,
     };
     unique(file, members, "section", problems);
@@ -97,14 +98,45 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
                         .at(&place(&name.span), "no such section");
                 problem = mended(problem, place(&name.span), other, SECTIONS);
                 problem = problem.help(match closest(other, SECTIONS) {
-                    Some(known) => format!("did you mean `{known}`?"),
-                    None => format!("the sections are {}", list(&SECTIONS)),
+                    Some(known) => {
+                        ast.unread.mark(known);
+                        format!("did you mean `{known}`?")
+                    }
+                    None => {
+                        let is_there = |section: &str| members.iter().any(|(name, _)| name.text == section);
+                        let absent = SECTIONS.into_iter().filter(|section| !is_there(section));
+                        absent.for_each(|section| ast.unread.mark(section));
+                        format!("the sections are {}", list(&SECTIONS))
+                    }
                 });
                 problems.push(problem);
             }
         }
+        let read = match name.text.as_str() {
+            "parameters" => ast.parameters.len(),
+            "inputs" => ast.inputs.len(),
+            "outputs" => ast.outputs.len(),
+            "ports" => ast.ports.len(),
+            "blocks" => ast.blocks.len(),
+            "connections" => ast.connections.len(),
+            _ => continue,
+        };
+        if entries(node).is_none_or(|entries| read < entries) {
+            ast.unread.mark(&name.text);
+        }
+    }
+    if ast.unread.parameters {
+        problems.parameters_are_unread();
     }
     Some(ast)
+}
+
+/// How many entries a section has; `None` where it is neither a set nor a list.
+fn entries(node: &Node) -> Option<usize> {
+    match &node.value {
+        Shape::List(items) => Some(items.len()),
+        _ => node.members().map(<[_]>::len),
+    }
 }
 
 /// Reports names that stand twice.
@@ -166,8 +198,9 @@ impl Section<'_> {
             && name.text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         if !fits || name.text == "in" {
             let place = self.place(&name.span);
+            let article = if what.starts_with(['i', 'o']) { "an" } else { "a" };
             self.problems.push(
-                Problem::error("bad_name", format!("`{}` cannot name a {what}", name.text))
+                Problem::error("bad_name", format!("`{}` cannot name {article} {what}", name.text))
                     .at(&place, "not a name")
                     .help("names start with a letter, then letters, digits and `_`; `in` is reserved"),
             );

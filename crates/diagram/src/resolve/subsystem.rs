@@ -9,6 +9,7 @@ use crate::ast::{Ast, BlockAst};
 use crate::mentions::Event;
 use crate::model::{Content, Model};
 use crate::scope::{Scope, missing_file};
+use blocksim_signal::closest;
 use blocksim_syntax::{Node, Shape};
 
 impl<'a> Resolver<'a> {
@@ -56,14 +57,14 @@ impl<'a> Resolver<'a> {
         self.sources.log.note(Event::Inside { block: ast.place(&block.name.span), ast: inside.clone() });
         let inner = Rc::new(Scope::new(self.sources, Some(scope.clone())));
         inside.parameters.iter().for_each(|(name, node)| inner.declare(name, file, node));
-        let mut fits = true;
+        let mut unknown = Vec::new();
         if let Some(with) = parameter("with") {
             for (given, node) in with.members().unwrap_or_default() {
                 if let Some(declared) = inner.own_declared(&given.text) {
                     self.sources.log.note(Event::Named { place: ast.place(&given.span), declared });
                     inner.give(given, ast.file, node, scope);
-                } else {
-                    fits = false;
+                } else if !inside.unread.parameters {
+                    unknown.push(given.text.as_str());
                     self.unknown_with(ast, given, name, &inner.own_names());
                 }
             }
@@ -71,12 +72,17 @@ impl<'a> Resolver<'a> {
         let condition = self.condition(ast, block, scope, &inside);
         let Ok(condition) = condition else { return Content::Unknown };
         self.override_parameters(&inside, &inner, path);
+        let mut fits = unknown.is_empty();
         for (parameter, node) in &inside.parameters {
             let required = matches!(&node.value, Shape::Word(word) if word == "Required");
             let given = !required
                 || !matches!(inner.value(&parameter.text), Some(Err(p)) if p.code == "missing_parameter");
-            if !given {
-                fits = false;
+            if given {
+                continue;
+            }
+            fits = false;
+            // What is missing stands there under a wrong name.
+            if closest(&parameter.text, unknown.iter().copied()).is_none() {
                 self.report(
                     Problem::error(
                         "missing_parameter",

@@ -80,18 +80,20 @@ impl<'a> Resolver<'a> {
                 .collect(),
         });
         let built: Vec<ModelBlock> = alternatives.iter().map(build).collect();
+        let is_sound = self.same_ports(ast, &alternatives, &built);
         for (model, block) in built.iter().zip(&alternatives) {
             if let Content::Diagram(model) = &model.content
-                && block.name.text != chosen
+                && (block.name.text != chosen || !is_sound)
             {
                 crate::connect::check(model, &mut self.problems.borrow_mut());
             }
         }
-        self.same_ports(ast, &alternatives, &built);
         let by = if let Shape::Text(text) = &choice.value { text.clone() } else { String::new() };
         let kept = built
             .into_iter()
             .find(|block| block.name == chosen)
+            // What it offers is unclear: that it lacks a port has been told.
+            .filter(|_| is_sound)
             .map_or(Content::Unknown, |block| block.content);
         (Some(VariantChoice { by, chosen, of: names }), kept)
     }
@@ -111,14 +113,15 @@ impl<'a> Resolver<'a> {
         parse(ast.file, &wrapped, &mut self.problems.borrow_mut()).map(|ast| ast.blocks).unwrap_or_default()
     }
 
-    /// Alternatives must be exchangeable.
-    fn same_ports(&self, ast: &Ast, alternatives: &[BlockAst], built: &[ModelBlock]) {
+    /// Alternatives must be exchangeable. Returns whether they are.
+    fn same_ports(&self, ast: &Ast, alternatives: &[BlockAst], built: &[ModelBlock]) -> bool {
         let known: Vec<(&ModelBlock, &BlockAst)> = built
             .iter()
             .zip(alternatives)
             .filter(|(block, _)| !matches!(block.content, Content::Unknown))
             .collect();
-        let Some(((first, first_ast), others)) = known.split_first() else { return };
+        let Some(((first, first_ast), others)) = known.split_first() else { return true };
+        let mut is_sound = true;
         for (other, other_ast) in others {
             let sides: [(&str, Vec<String>, Vec<String>); 3] = [
                 ("input", first.inputs(), other.inputs()),
@@ -127,13 +130,20 @@ impl<'a> Resolver<'a> {
             ];
             for (what, a, b) in sides {
                 let place = |span: &Range<usize>| ast.place(span);
-                let lacks =
-                    |names: &[String], others: &[String]| names.iter().find(|n| !others.contains(n)).cloned();
-                let (port, has, has_not) = match (lacks(&a, &b), lacks(&b, &a)) {
+                // What a file misses itself is told there.
+                let misses = |of: &ModelBlock| matches!(&of.content, Content::Diagram(model) if model.ast.lacks_inputs());
+                if what == "input" && (misses(first) || misses(other)) {
+                    continue;
+                }
+                let lacks = |names: &[String], others: &[String], of: &ModelBlock| {
+                    names.iter().find(|name| !others.contains(name) && of.port(name).is_none()).cloned()
+                };
+                let (port, has, has_not) = match (lacks(&a, &b, other), lacks(&b, &a, first)) {
                     (Some(port), _) => (port, first_ast, other_ast),
                     (None, Some(port)) => (port, other_ast, first_ast),
                     (None, None) => continue,
                 };
+                is_sound = false;
                 self.report(
                     Problem::error(
                         "variant_ports",
@@ -145,5 +155,6 @@ impl<'a> Resolver<'a> {
                 );
             }
         }
+        is_sound
     }
 }

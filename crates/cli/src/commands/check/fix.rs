@@ -101,7 +101,7 @@ fn mended(
     files: &[SourceFile],
     problems: &[Problem],
 ) -> Option<Result<(String, usize), Contradiction>> {
-    let edits = problems.iter().filter_map(|problem| problem.remedy());
+    let edits = problems.iter().flat_map(Problem::remedies);
     let mut edits: Vec<_> = edits
         .filter(|edit| files.get(edit.place.file.0 as usize).is_some_and(|of| of.path == file.path))
         .filter(|edit| file.text.get(edit.place.span.clone()) == Some(edit.old.as_str()))
