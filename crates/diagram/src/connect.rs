@@ -7,7 +7,7 @@ use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
 use crate::ast::{Ast, ConnectionAst, Reference};
 use crate::model::{Content, Model, ModelBlock, PortKind};
-use crate::problems::{GUESSES, Problems, list, mended, mended_to};
+use crate::problems::{GUESSES, Problems, a, list, mended, mended_to};
 
 /// Checks the connections of a diagram and of all diagrams inside it.
 pub(crate) fn check(model: &Model, problems: &mut Problems) {
@@ -24,9 +24,7 @@ pub(crate) fn check(model: &Model, problems: &mut Problems) {
 }
 
 fn a_port(domain: Domain) -> String {
-    let name = domain.to_string();
-    let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
-    format!("{article} {name} port")
+    a(&format!("{domain} port"))
 }
 
 /// What leads from ports of one kind to those of another.

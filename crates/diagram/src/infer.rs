@@ -7,7 +7,7 @@ use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
 use crate::flatten::{Declared, Flat, FlatBlock, Source};
-use crate::problems::Problems;
+use crate::problems::{Problems, a};
 
 /// Interfaces of all blocks, with the types of all outputs.
 #[derive(Debug, Clone, Default)]
@@ -196,7 +196,7 @@ fn disagreement(flat: &Flat, index: usize, error: InterfaceError) -> Problem {
     if let Some(place) = &block.place
         && (!placed || error.ports.len() < 2)
     {
-        problem = problem.at(place, format!("a {}", block.kind));
+        problem = problem.at(place, a(&block.kind));
     }
     match error.help {
         Some(help) => problem.help(help),

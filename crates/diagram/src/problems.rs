@@ -205,6 +205,12 @@ pub(crate) fn unknown_member(within: &str, word: &str, place: Place, known: &[&s
 /// So many unknown names are compared with the known ones; nobody reads the advice on more.
 pub(crate) const GUESSES: usize = 100;
 
+/// A noun with its article. A `u` is read as in `unit`.
+pub(crate) fn a(noun: &str) -> String {
+    let article = if noun.starts_with(['a', 'e', 'i', 'o', 'A', 'E', 'I', 'O']) { "an" } else { "a" };
+    format!("{article} {noun}")
+}
+
 /// Most words in a row.
 const WORDS: usize = 40;
 

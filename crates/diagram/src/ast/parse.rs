@@ -7,7 +7,7 @@ use blocksim_signal::closest;
 use foldhash::{HashMap, HashMapExt};
 
 use super::{Ast, BlockAst, Reference, Unread};
-use crate::problems::{Problems, list, mended};
+use crate::problems::{Problems, a, list, mended};
 use blocksim_syntax::{Name, Node, Shape};
 
 const SECTIONS: [&str; 10] = [
@@ -198,9 +198,8 @@ impl Section<'_> {
             && name.text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         if !fits || name.text == "in" {
             let place = self.place(&name.span);
-            let article = if what.starts_with(['i', 'o']) { "an" } else { "a" };
             self.problems.push(
-                Problem::error("bad_name", format!("`{}` cannot name {article} {what}", name.text))
+                Problem::error("bad_name", format!("`{}` cannot name {}", name.text, a(what)))
                     .at(&place, "not a name")
                     .help("names start with a letter, then letters, digits and `_`; `in` is reserved"),
             );

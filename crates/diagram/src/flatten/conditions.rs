@@ -12,7 +12,7 @@ use super::view::{Asked, Tree, View};
 use super::{Flat, FlatBlock, Source};
 use crate::condition::{Condition, Conditional, GATE_INPUT, Gate, Merger, Outlet, gate_input};
 use crate::model::ModelBlock;
-use crate::problems::Problems;
+use crate::problems::{Problems, a};
 
 /// What has to be added to the list of blocks.
 #[derive(Default)]
@@ -213,7 +213,7 @@ impl<'m> View<'m> {
                 format!("`{}` belongs to a physical network, which goes on all the time", block.path),
             );
             if let Some(place) = &block.place {
-                problem = problem.at(place, format!("a {} inside a conditional subsystem", block.kind));
+                problem = problem.at(place, format!("{} inside a conditional subsystem", a(&block.kind)));
             }
             problems.push(problem.at(&subsystem.place, "runs at times alone").help(
                 "place the network outside and let the subsystem drive its sources; switches, valves and clutches open a network at times",
