@@ -1,8 +1,8 @@
 //! Signals and events as CSV (RFC 4180, line feeds, decimal points).
 
-use std::fmt::Write as _;
 use std::io::{self, Write};
 
+use crate::number::push_number;
 use crate::recording::{EventRow, Kind, Recording, Signal};
 
 /// Bytes collected before they are handed on.
@@ -109,58 +109,9 @@ fn push_field(text: &mut String, field: &str) {
     }
 }
 
-/// The shorter of Rust's two round-trip forms, `0.001` and `1e-3`; the plain one when they are as long.
-pub(crate) fn push_number(text: &mut String, value: f64) {
-    if !value.is_finite() {
-        text.push_str(if value.is_nan() {
-            "NaN"
-        } else if value > 0.0 {
-            "Inf"
-        } else {
-            "-Inf"
-        });
-        return;
-    }
-    let start = text.len();
-    // Writing to a String cannot fail.
-    let _ = write!(text, "{value}");
-    let plain = text.len() - start;
-    // Shorter than this, no exponent can win: it needs a digit, `e` and a digit.
-    if plain > 3 {
-        let _ = write!(text, "{value:e}");
-        if text.len() - start - plain < plain {
-            text.drain(start..start + plain);
-        } else {
-            text.truncate(start + plain);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_take_the_shorter_form() {
-        for (value, expected) in [
-            (0.0, "0"),
-            (-0.0, "-0"),
-            (0.1, "0.1"),
-            (100.0, "100"),
-            (1e6, "1e6"),
-            (1234567.0, "1234567"),
-            (1e-7, "1e-7"),
-            (f64::MAX, "1.7976931348623157e308"),
-            (5e-324, "5e-324"),
-            (f64::NAN, "NaN"),
-            (f64::INFINITY, "Inf"),
-            (f64::NEG_INFINITY, "-Inf"),
-        ] {
-            let mut text = String::new();
-            push_number(&mut text, value);
-            assert_eq!(text, expected);
-        }
-    }
 
     #[test]
     fn headings_are_quoted_only_where_needed() {

@@ -14,6 +14,8 @@ mod foreign;
 mod held_signals;
 mod history;
 mod manifest;
+mod number;
+
 mod place;
 mod recording;
 mod regular;
