@@ -22,6 +22,8 @@ const LINES: usize = 12;
 /// nothing that a diagram is about.
 const ROUNDING: f64 = 1e-12;
 const NOTHING: f64 = 1e-14;
+/// Rows of a plot of one signal over another.
+const PLANE_ROWS: usize = 20;
 /// Columns of a sparkline.
 const SPARKS: usize = 40;
 
@@ -91,13 +93,47 @@ pub fn chosen(patterns: &[String], shown: &[Shown], time: &[f64], console: Conso
 /// Plots of all inputs of one block, and a line for each other signal of `scopes`, or for each other signal if `scopes` is empty.
 pub fn block(path: &str, shown: &[Shown], scopes: &[&Shown], time: &[f64], console: Console) -> String {
     let (found, rest): (Vec<&Shown>, Vec<&Shown>) = shown.iter().partition(|s| s.block() == path);
-    let mut text = by_unit(path, &found, time, console);
+    let mut text = plane(path, &found, console).unwrap_or_else(|| by_unit(path, &found, time, console));
     let (rest, most) = match scopes.is_empty() {
         true => (rest, LINES),
         false => (scopes.iter().copied().filter(|s| s.block() != path).collect(), SCOPE_LINES),
     };
     text.push_str(&lines(&named(&rest), most, time, console));
     text
+}
+
+/// A plot of the signals that a scope draws over others of its own; `None` where it draws all over time.
+fn plane(title: &str, shown: &[&Shown], console: Console) -> Option<String> {
+    let below = |s: &Shown| shown.iter().find(|other| Some(other.path) == s.over).copied();
+    let pairs: Vec<(&Shown, &Shown)> =
+        shown.iter().filter_map(|s| Some((*s, below(s)?))).take(SERIES).collect();
+    let (first, across) = pairs.first()?;
+    let values: Vec<(Vec<f64>, Vec<f64>)> = pairs.iter().map(|(y, x)| (x.values(), y.values())).collect();
+    let series: Vec<Series> = pairs
+        .iter()
+        .zip(&values)
+        .map(|((s, _), (x, y))| Series { name: s.legend.unwrap_or(s.port()), x, y, step: false })
+        .collect();
+    let (width, ascii) = (console.width, console.ascii);
+    let (title, x_label) = (in_unit(title, first), in_unit(across.port(), across));
+    let options = PlotOptions {
+        title: &title,
+        x_label: &x_label,
+        width,
+        height: PLANE_ROWS,
+        ascii,
+        ..PlotOptions::default()
+    };
+    Some(plot(&series, &options))
+}
+
+/// A heading with the unit of a signal.
+fn in_unit(title: &str, signal: &Shown) -> String {
+    match (title, signal.unit.text.as_str()) {
+        (title, "1") => title.to_owned(),
+        ("", unit) => format!("[{unit}]"),
+        (title, unit) => format!("{title} [{unit}]"),
+    }
 }
 
 /// One plot for each unit, as many series as a plot can take.
@@ -132,18 +168,13 @@ fn by_unit(title: &str, shown: &[&Shown], time: &[f64], console: Console) -> Str
 
 fn drawn(title: &str, shown: &[&Shown], names: &[&str], time: &[f64], console: Console) -> String {
     let lines: Vec<Vec<f64>> = shown.iter().map(|s| course(s)).collect();
-    let unit = shown.first().map_or("1", |s| s.unit.text.as_str());
     let series: Vec<Series> = shown
         .iter()
         .zip(names)
         .zip(&lines)
         .map(|((s, name), y)| Series { name, x: time, y, step: s.kind != Kind::Real })
         .collect();
-    let heading = match (title, unit) {
-        (title, "1") => title.to_owned(),
-        ("", unit) => format!("[{unit}]"),
-        (title, unit) => format!("{title} [{unit}]"),
-    };
+    let heading = shown.first().map_or_else(|| title.to_owned(), |first| in_unit(title, first));
     let (width, ascii) = (console.width, console.ascii);
     plot(&series, &PlotOptions { title: &heading, width, height: 12, ascii, ..PlotOptions::default() })
 }

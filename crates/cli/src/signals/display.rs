@@ -21,6 +21,8 @@ pub struct Shown<'a> {
     pub title: &'a [String],
     /// What the diagram calls it in legends, if it does.
     pub legend: Option<&'a str>,
+    /// Path of the signal over which its scope draws it, if that is not time.
+    pub over: Option<&'a str>,
     /// The values in SI.
     pub si: &'a [f64],
 }
@@ -78,6 +80,7 @@ pub fn shown<'a>(recorded: &'a [Recorded], recording: &'a Recording) -> Vec<Show
         cell: r.cell,
         title: &r.title,
         legend: r.legend.as_deref(),
+        over: r.over.as_deref(),
         si: &signal.values,
     };
     recorded.iter().zip(&recording.signals).map(pair).collect()

@@ -158,7 +158,9 @@ fn an_xy_scope_is_one_signal_over_the_other() {
         connections: ["across.y -> circle.x", "upwards.y -> circle.y"],
     )"#;
     let desk = Desk::with(&[("m.ron", model)]);
-    assert_eq!(desk.call(&["run", "m.ron", "--out", "r", "--quiet"]).0, 0);
+    let summary = desk.said(&["run", "m.ron", "--out", "r"]);
+    assert!(summary.contains("circle [cm]") && summary.contains("x [cm]"), "{summary}");
+    assert!(!summary.contains("time [s]"), "{summary}");
     let (code, _, err) = desk.call(&["plot", "r", "--svg", "r.svg"]);
     assert_eq!((code, err.as_str()), (0, ""));
     let drawing = desk.read("r.svg");
