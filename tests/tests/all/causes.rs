@@ -36,6 +36,7 @@ fn one_mistake_is_one_problem() {
         ("tau:", "taux:", "unknown_parameter"),
         ("value: 1", "valeu: 1", "unknown_parameter"),
         ("value: 1", "", "missing_parameter"),
+        ("value: 1", "1", "syntax"),
         ("-> lag.u", "-> lag.v", "unknown_port"),
         ("-> lag.u", "-> leg.u", "unknown_block_name"),
         ("lag.y ->", "lag.x ->", "unknown_port"),

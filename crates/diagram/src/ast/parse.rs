@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use blocksim_block::kinds;
 use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::closest;
 use foldhash::{HashMap, HashMapExt};
@@ -220,6 +221,27 @@ impl Section<'_> {
             .collect()
     }
 
+    /// Values stand where parameters with names should. One value is meant for the one parameter that a kind requires.
+    fn nameless(&self, block: &Name, kind: &Name, items: &[Node], node: &Node) -> Problem {
+        let problem = Problem::error("syntax", format!("the parameters of `{}` have no names", block.text))
+            .at(&self.place(&node.span), "values without names");
+        let kinds = kinds();
+        let info = kinds.iter().find(|info| info.kind == kind.text);
+        let mut parameters = info.map_or(&[][..], |info| info.parameters).iter();
+        let required: Vec<&str> = parameters
+            .by_ref()
+            .filter(|parameter| parameter.default.is_none())
+            .map(|parameter| parameter.name)
+            .collect();
+        match (required.as_slice(), items) {
+            ([meant], [value]) => problem
+                .edit(self.place(&(value.span.start..value.span.start)), "", format!("{meant}: "))
+                .help(format!("write `{}({meant}: ...)`", kind.text)),
+            ([first, ..], _) => problem.help(format!("write `{}({first}: value, ...)`", kind.text)),
+            _ => problem.help(format!("write `{}(name: value, ...)`", kind.text)),
+        }
+    }
+
     fn blocks(&mut self, node: &Node) -> Vec<BlockAst> {
         let members = self.named(node, "block");
         members
@@ -231,16 +253,9 @@ impl Section<'_> {
                     }
                     Shape::Struct(Some(ref kind), ref members) => (kind.clone(), members.clone()),
                     Shape::Tuple(Some(ref kind), ref items) if items.is_empty() => (kind.clone(), Vec::new()),
-                    Shape::Tuple(Some(ref kind), _) => {
-                        let place = self.place(&node.span);
-                        self.problems.push(
-                            Problem::error(
-                                "syntax",
-                                format!("the parameters of `{}` have no names", name.text),
-                            )
-                            .at(&place, "values without names")
-                            .help(format!("write `{}(name: value, ...)`", kind.text)),
-                        );
+                    Shape::Tuple(Some(ref kind), ref items) => {
+                        let problem = self.nameless(&name, kind, items, &node);
+                        self.problems.push(problem);
                         return None;
                     }
                     _ => {
