@@ -6,6 +6,7 @@ use std::sync::Arc;
 use blocksim_block::schedule::{Instance, Schedule, Solver};
 use blocksim_solve::{Share, Stepper};
 
+use crate::coarse_step::coarse_step;
 use crate::evaluation::evaluate::Diagram;
 use crate::events::audit::{Audit, Findings};
 use crate::events::departure::Departure;
@@ -380,6 +381,7 @@ impl Simulation {
         let told = blocks.flat_map(|block| block.block.warnings(&self.diagram.d[cells(block)], rtol));
         let mut told: Vec<Problem> = told.collect();
         told.extend(self.ignored_states());
+        told.extend(coarse_step(&self.schedule));
         told
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use blocksim_block::schedule::Solver;
 use blocksim_sim::{Observer, Simulation};
-use blocksim_tests::{compile_file, diagrams_below, root};
+use blocksim_tests::{compile_file, diagrams_below, root, run_text};
 
 struct Nobody;
 
@@ -49,4 +49,32 @@ fn no_shipped_diagram_passes_over_a_change_of_a_condition() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(audited >= 15 && looks > 1_000_000, "only {audited} runs were audited, at {looks} points");
+}
+
+/// Peaks of a sine of 50 Hz in 10 s that a condition for a ninth of a millisecond sees.
+fn peaks(solver: &str) -> (f64, Vec<&'static str>) {
+    let run = run_text(&format!(
+        r#"Diagram(
+            simulation: (stop_time: "10 s", solver: {solver}),
+            blocks: {{
+                "mains": Sine(frequency: "50 Hz"), "peak": Compare(operator: Greater, constant: 0.9999), "peaks": Counter,
+                "beside": Sine(frequency: "900 Hz"), "nobody": Terminator, "show": Scope, "x": Integrator, "last": Scope,
+            }},
+            connections: [
+                "mains.y -> peak.u, x.u", "peak.y -> peaks.u", "peaks.count -> show.u", "beside.y -> nobody.u", "x.y -> last.u",
+            ],
+        )"#
+    ));
+    (run.last("show.u"), run.warnings.iter().map(|warning| warning.code).collect())
+}
+
+#[test]
+fn a_fixed_step_that_a_source_swings_within_is_told() {
+    // Eight steps a period are enough for the source, which is said of methods that choose their steps, too.
+    assert_eq!(peaks("Ode45(rtol: 1e-6)"), (500.0, vec![]));
+    assert_eq!(peaks("Ode4(step: \"0.05 ms\")"), (500.0, vec![]));
+    assert_eq!(peaks("Ode4(step: \"2.5 ms\")").1, Vec::<&str>::new());
+    let (seen, warnings) = peaks("Ode4(step: \"7 ms\")");
+    assert!(seen < 100.0 && warnings == ["coarse_step"], "{seen} {warnings:?}");
+    assert_eq!(peaks("Ode4(step: \"2.51 ms\")").1, ["coarse_step"]);
 }

@@ -1,7 +1,9 @@
 //! The stepper that a diagram asks for.
 
 use blocksim_block::Interface;
-use blocksim_block::schedule::{FixedMethod, LATEST, OutputTimes, Schedule, Solver, VariableMethod};
+use blocksim_block::schedule::{
+    FixedMethod, Instance, LATEST, OutputTimes, Schedule, Solver, Step, VariableMethod,
+};
 use blocksim_solve::{
     Auto, Dop853, FixedStep, Ode15s, Ode23, Ode23t, Ode23tb, Ode45, Radau5, Rodas4, Ros34pw2, StepLimits,
     Stepper, Tolerances, Weights,
@@ -69,7 +71,15 @@ fn variable(method: VariableMethod, tolerances: Tolerances, limits: StepLimits) 
 const FEWEST: f64 = 50.0;
 
 /// Steps in a period of what swings with time alone, at least.
-const PER_PERIOD: f64 = 8.0;
+pub(crate) const PER_PERIOD: f64 = 8.0;
+
+/// Blocks that swing with time alone and that a derivative, a guard or a memory depends on, or a row where there are no states; with
+/// their periods, s.
+pub(crate) fn swinging(schedule: &Schedule) -> impl Iterator<Item = (&Instance, f64)> {
+    let seen = schedule.steps.iter().filter(|step| step.minor || schedule.states == 0);
+    let block = |step: &Step| &schedule.blocks[step.block as usize];
+    seen.filter_map(move |step| Some((block(step), block(step).interface.period?)))
+}
 
 /// Longest step of a method that chooses its step, s.
 ///
@@ -82,16 +92,9 @@ fn longest(schedule: &Schedule) -> f64 {
         let Interface { max_step, remembers, .. } = block.interface;
         [max_step, remembers.map(|shortest| WITHIN * shortest)].into_iter().flatten()
     });
-    let mut periods = f64::INFINITY;
-    for step in &schedule.steps {
-        if let Some(period) = schedule.blocks[step.block as usize].interface.period
-            && (step.minor || schedule.states == 0)
-        {
-            periods = periods.min(period);
-        }
-    }
+    let shortest = swinging(schedule).map(|(_, period)| period).fold(f64::INFINITY, f64::min);
     let longest = if max_step.is_finite() { max_step } else { default_longest(schedule.settings.stop_time) };
-    bounds.fold(longest, f64::min).min(periods / PER_PERIOD)
+    bounds.fold(longest, f64::min).min(shortest / PER_PERIOD)
 }
 
 /// Longest step as a share of the shortest delay: a jump at the beginning of a step is to come out behind its end, as
