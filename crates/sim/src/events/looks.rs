@@ -49,7 +49,11 @@ impl Looks {
     }
 
     /// Forgets all looks: a new step begins at `start`.
+    #[inline]
     pub fn begin(&mut self, start: f64) {
+        if !self.is_on() {
+            return;
+        }
         self.start = start;
         self.times.fill(f64::NAN);
         self.next = 0;

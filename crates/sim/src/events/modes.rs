@@ -59,6 +59,9 @@ impl Simulation {
     /// Reports the modes that have changed since they were noted last, and notes them; at the start there is no before.
     pub(crate) fn report_modes(&mut self, first: bool, observer: &mut dyn Observer) {
         let Self { modes, diagram, schedule, words, t, .. } = self;
+        if modes.watched.is_empty() {
+            return;
+        }
         for (&(block, place, cell), before) in modes.watched.iter().zip(&modes.before) {
             let (now, block) = (diagram.d[cell], &schedule.blocks[block]);
             if first || now == *before {

@@ -38,9 +38,20 @@ impl Direct {
     /// Writes the derivatives at a point that is in its place. Returns whether all requirements are met.
     #[inline]
     pub fn run(&self, signals: &mut [f64], d: &mut [f64], dx: &mut [f64]) -> bool {
-        let met = self.tape.run(signals, d).failed.is_none();
+        let met = self.meets(signals, d);
         dx.iter_mut().zip(&self.derivatives).for_each(|(dx, cell)| *dx = signals[*cell as usize]);
         met
+    }
+
+    /// Computes the derivatives at a point that is in its place and leaves them in their cells. Returns whether all requirements are met.
+    #[inline]
+    pub fn meets(&self, signals: &mut [f64], d: &mut [f64]) -> bool {
+        self.tape.run(signals, d).failed.is_none()
+    }
+
+    /// The cells of the derivatives of all states.
+    pub fn derivatives(&self) -> &[u32] {
+        &self.derivatives
     }
 
     pub fn tape(&self) -> &Tape {

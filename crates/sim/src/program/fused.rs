@@ -144,13 +144,13 @@ impl Fused {
         fused.derivatives = layout.gathered(derivatives);
         fused.guards = layout.gathered(guards);
         fused.plain = plain.map(|draft| layout.made(&draft).0);
-        fused.whole = whole.map(|whole| {
-            let (tape, ends) = layout.made(&whole.draft);
-            Whole::new(tape, ends, layout.direction, &whole)
-        });
         fused.direct = direct.map(|direct| {
             let (tape, cells) = layout.made(&direct.draft);
             Direct::new(tape, &cells, &direct)
+        });
+        fused.whole = whole.zip(fused.direct.as_ref()).map(|(whole, direct)| {
+            let made = layout.made(&whole.draft);
+            Whole::new(made, (layout.direction, layout.time), whole.weights, direct)
         });
         fused.slopes = slopes.map(|draft| {
             let to = (0..schedule.states as u32).collect();
@@ -279,7 +279,8 @@ impl LoopTapes {
 impl Layout {
     fn new<'p>(schedule: &Schedule, programs: impl Iterator<Item = &'p Program>) -> Self {
         let states = schedule.initial_signals.len();
-        let time = states + schedule.states;
+        // As many as are written at once.
+        let time = states + schedule.states.next_multiple_of(4);
         let direction = time + 1;
         let unknowns = schedule.loops.iter().map(|found| found.cells.len()).max();
         let first = direction + schedule.states.max(unknowns.unwrap_or(0)).max(SIZES);
@@ -299,11 +300,11 @@ impl Layout {
     #[inline]
     pub fn place(&self, t: f64, x: &[f64], signals: &mut [f64]) {
         let (time, states) = self.point(signals);
-        states.copy_from_slice(x);
+        states[..x.len()].copy_from_slice(x);
         *time = t;
     }
 
-    /// Where tapes find time and states.
+    /// Where tapes find time and states; behind the last state is room for others, up to a multiple of four.
     #[inline]
     pub fn point<'s>(&self, signals: &'s mut [f64]) -> (&'s mut f64, &'s mut [f64]) {
         let (states, time) = signals[self.states..=self.time].split_at_mut(self.time - self.states);

@@ -10,4 +10,5 @@ pub(crate) mod native;
 pub(crate) mod plain;
 pub(crate) mod plan;
 pub(crate) mod spread;
+pub(crate) mod stages;
 pub(crate) mod whole;

@@ -4,11 +4,12 @@
 
 use blocksim_block::law::{Draft, Id, Instruction, Op, Program, Tape};
 use blocksim_block::schedule::OutputTimes;
-use blocksim_solve::{Weights, add_stages};
+use blocksim_solve::Weights;
 
 use crate::evaluation::evaluate::Diagram;
-use crate::program::direct::DirectDraft;
+use crate::program::direct::{Direct, DirectDraft};
 use crate::program::fused::Laws;
+use crate::program::stages::{self, Stages};
 use crate::stepping::methods;
 
 /// Numbers that say how long a step is: its size and its end, as the parameters of the program.
@@ -20,10 +21,9 @@ const MOST: usize = 5_000;
 /// How steps are made.
 #[derive(Debug)]
 pub(crate) struct Whole {
-    weights: Weights,
-    /// The derivatives at all stages, the states at one, and where a step leads.
-    k: Vec<Vec<f64>>,
-    x: Vec<f64>,
+    /// When each stage is, as a part of the step.
+    nodes: &'static [f64],
+    stages: Stages,
     /// All stages and what is added up between them as one program, for machine code: the interpreter takes longer for sums.
     pub tape: Tape,
     /// The cells in which it leaves the states at the end; none if it would be too long.
@@ -35,21 +35,21 @@ pub(crate) struct Whole {
 /// The same, before it has a tape.
 #[derive(Debug)]
 pub(crate) struct WholeDraft {
-    weights: Weights,
-    states: usize,
+    pub weights: Weights,
     pub draft: Draft,
 }
 
 impl Whole {
-    /// Steps whose program is `tape`, which leaves the states in `ends` and finds the sizes of the step in the cells from `sizes` on.
+    /// Steps over the derivatives `direct`, whose program is `tape`; that leaves the states in `ends` and finds the sizes of the step in
+    /// the cells from `sizes` on. `time` is the cell of the time.
     pub fn new(
-        tape: Tape,
-        ends: Vec<u32>,
-        sizes: usize,
-        WholeDraft { weights, states, .. }: &WholeDraft,
+        (tape, ends): (Tape, Vec<u32>),
+        (sizes, time): (usize, usize),
+        weights: Weights,
+        direct: &Direct,
     ) -> Self {
-        let k = vec![vec![0.0; *states]; weights.nodes.len()];
-        Self { weights: *weights, k, x: vec![0.0; *states], tape, ends, sizes }
+        let stages = Stages::new(weights, direct.derivatives(), time as u32);
+        Self { nodes: weights.nodes, stages, tape, ends, sizes }
     }
 }
 
@@ -58,7 +58,7 @@ impl Laws<'_> {
     pub fn whole(&self, direct: &DirectDraft) -> Option<WholeDraft> {
         let settings = &self.schedule.settings;
         let weights = methods::weights(settings.solver)?;
-        if !self.plan.plain || settings.output != OutputTimes::Steps {
+        if !self.plan.plain || settings.output != OutputTimes::Steps || weights.nodes.len() > stages::MOST {
             return None;
         }
         let states = self.schedule.states;
@@ -67,7 +67,7 @@ impl Laws<'_> {
         let length = weights.nodes.len() * program.instructions.len() + 2 * sums * states;
         let draft =
             if length > MOST { Draft::default() } else { step(program, &direct.derivatives()?, weights) };
-        Some(WholeDraft { weights, states, draft })
+        Some(WholeDraft { weights, draft })
     }
 }
 
@@ -149,33 +149,38 @@ impl Diagram {
     /// was possible, and all of it finite.
     pub fn step_wholly(&mut self, t: f64, t1: f64, h: f64, x: &mut [f64]) -> bool {
         let Self { plan, signals, d, .. } = self;
-        let fused = &mut plan.fused;
+        let (fused, signals, d) = (&mut plan.fused, &mut signals[..], &mut d[..]);
         let Some(whole) = &mut fused.whole else { return false };
+        fused.layout.place(t, x, signals);
         if whole.tape.has_machine() {
-            fused.layout.place(t, x, signals);
             signals[whole.sizes..whole.sizes + SIZES].copy_from_slice(&[h, t1]);
-            if whole.tape.run(signals, d).failed.is_some() {
-                return false;
+            let met = whole.tape.run(signals, d).failed.is_none();
+            let ends = whole.ends.iter().map(|cell| signals[*cell as usize]);
+            // What is not finite at any stage is not so at the end either, as all of them are added.
+            let is_done = met && ends.clone().all(f64::is_finite);
+            if is_done {
+                x.iter_mut().zip(ends).for_each(|(x, end)| *x = end);
             }
-            whole.x.iter_mut().zip(&whole.ends).for_each(|(end, cell)| *end = signals[*cell as usize]);
-        } else {
-            let Some(direct) = &fused.direct else { return false };
-            let Whole { weights: Weights { nodes, stages, result }, k, x: at, .. } = whole;
-            for (stage, (node, row)) in nodes.iter().zip(*stages).enumerate() {
+            return is_done;
+        }
+        let Some(direct) = &fused.direct else { return false };
+        whole.stages.begin(x);
+        for (stage, node) in whole.nodes.iter().enumerate() {
+            if stage > 0 {
                 let (time, states) = fused.layout.point(signals);
                 *time = if *node == 1.0 { t1 } else { t + node * h };
-                add_stages(states, x, h, row, k);
-                if !direct.run(signals, d, &mut k[stage]) {
-                    return false;
-                }
+                states
+                    .as_chunks_mut::<4>()
+                    .0
+                    .iter_mut()
+                    .zip(whole.stages.states())
+                    .for_each(|(x, to)| *x = *to);
             }
-            add_stages(at, x, h, result, k);
+            if !direct.meets(signals, d) {
+                return false;
+            }
+            whole.stages.add(stage, h, signals);
         }
-        // What is not finite at any stage is not so at the end either, as all of them are added.
-        let is_finite = whole.x.iter().all(|x| x.is_finite());
-        if is_finite {
-            x.copy_from_slice(&whole.x);
-        }
-        is_finite
+        whole.stages.end(x)
     }
 }

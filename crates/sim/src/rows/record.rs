@@ -145,6 +145,7 @@ impl Copies {
     }
 
     /// Copies the values; returns whether all are finite.
+    #[inline]
     fn take(&self, row: &mut [f64], signals: &[f64]) -> bool {
         match self {
             Copies::Cells(cells) => {
@@ -166,7 +167,8 @@ impl Copies {
 }
 
 /// Whether all values are finite: zero times any other one is NaN. Eight sums go abreast, without a branch.
-fn are_finite(values: &[f64]) -> bool {
+#[inline]
+pub(crate) fn are_finite(values: &[f64]) -> bool {
     let mut sums = [0.0; 8];
     let (eights, rest) = values.as_chunks::<8>();
     for eight in eights {
@@ -174,7 +176,8 @@ fn are_finite(values: &[f64]) -> bool {
             *sum += 0.0 * value;
         }
     }
-    sums.iter().all(|sum| *sum == 0.0) && rest.iter().all(|value| value.is_finite())
+    let rest = rest.iter().fold(0.0, |sum, value| sum + 0.0 * value);
+    sums.iter().all(|sum| *sum == 0.0) && rest == 0.0
 }
 
 #[cfg(test)]

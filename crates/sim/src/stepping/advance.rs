@@ -94,6 +94,7 @@ impl Simulation {
     }
 
     /// One step of the solver, or all the way where there is nothing to integrate.
+    #[inline]
     pub(crate) fn step(&mut self, limit: f64) -> Result<(), SimError> {
         let Some(stepper) = &mut self.stepper else {
             self.t = limit;

@@ -6,6 +6,7 @@
 use blocksim_block::schedule::{Schedule, Solver};
 
 use crate::program::plan::Plan;
+use crate::rows::record::are_finite;
 use crate::simulation::PATIENCE;
 use crate::stepping::clock::same;
 use crate::stepping::major::Arrival;
@@ -35,7 +36,9 @@ impl Simulation {
         while next + same(next) < due {
             self.step(next)?;
             let is_major = self.t >= next || self.diagram.plan.every_step || self.rows.grid.is_none();
-            self.record_within(if is_major { self.t - same(self.t) } else { self.t }, observer)?;
+            if self.rows.grid.is_some() {
+                self.record_within(if is_major { self.t - same(self.t) } else { self.t }, observer)?;
+            }
             if is_major {
                 self.plain_instant(observer)?;
             }
@@ -62,7 +65,7 @@ impl Simulation {
         }
         self.majors += 1;
         self.hits.due.fill(false);
-        let finite = self.rows.take(&self.diagram.signals) && self.x.iter().all(|x| x.is_finite());
+        let finite = self.rows.take(&self.diagram.signals) && are_finite(&self.x);
         if !finite {
             self.complete()?;
             return Err(diagnose::not_finite(&self.schedule, &self.diagram, &self.x));
