@@ -1,8 +1,9 @@
-//! The interpreter: one `match` an instruction, without allocation.
+//! The interpreter: one `match` for two instructions, without allocation.
 //!
-//! A processor waits for what was just written to memory about as long as it calculates, and most instructions read what the one
-//! before has brought. So the last result stays at hand, and words that read it become steps that take it from there. Nothing else
-//! differs: each step writes where its word writes, with the same roundings.
+//! Finding out what comes next takes a processor longer than to add or to multiply, so arithmetic goes in pairs: a step is two words
+//! that follow each other. A processor also waits for what was just written to memory about as long as it calculates, and most
+//! instructions read what the one before has brought. So the last result stays at hand, and words that read it take it from there.
+//! Nothing else differs: each word writes where it would write alone, with the same roundings.
 
 use crate::op::{power, truth};
 use crate::tape::{Ran, Word, WordCode as Code};
@@ -19,10 +20,19 @@ pub(crate) enum Steps {
 /// Number of cells whose numbers fit in a byte: any number of that kind is one of theirs, so nothing has to be compared.
 pub(crate) const FEW: usize = 256;
 
-/// A word as it is run, with numbers of a kind.
+/// A word of arithmetic as it is run, or two of them, or another word, with numbers of a kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Step<N> {
-    code: StepCode,
+    /// Which forms the first and the second word have, by their number in [`pairs`]; [`OTHER`] for another word.
+    pair: u16,
+    other: Other,
+    first: Operands<N>,
+    second: Operands<N>,
+}
+
+/// Where the result of a word goes, and where its operands are.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Operands<N> {
     /// As of the word; of what requires something, the number of the word.
     to: N,
     a: N,
@@ -30,20 +40,14 @@ pub(crate) struct Step<N> {
     c: N,
 }
 
-/// What a step does: as words do it, or with the last result in the place of an operand.
+/// What is no arithmetic, or takes its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum StepCode {
+enum Other {
     Copy,
     Load,
     Hold,
     Neg,
-    Add,
-    Sub,
-    Mul,
     Div,
-    MulAdd,
-    MulSub,
-    SubMul,
     Power,
     Clamp,
     Unary(Unary),
@@ -58,34 +62,188 @@ enum StepCode {
     CopyLast,
     /// `-last`.
     NegLast,
-    /// `last + a`.
-    LastAdd,
-    /// `last - a`.
-    LastSub,
-    /// `a - last`.
-    SubLast,
-    /// `last * a`.
-    LastMul,
     /// `last / a`.
     LastDiv,
     /// `a / last`.
     DivLast,
-    /// `a + last * b`.
-    LastMulAdd,
-    /// `last * a - b`.
-    LastMulSub,
-    /// `a - last * b`.
-    SubLastMul,
-    /// `last + a * b`.
-    LastAddMul,
-    /// `a * b - last`.
-    MulSubLast,
-    /// `last - a * b`.
-    LastSubMul,
-    /// `last` between `a` and `b`.
-    ClampLast,
     /// `a` where `last` is not 0, otherwise `b`.
     SelectByLast,
+}
+
+/// The value of a form of arithmetic, from cells and the last result.
+macro_rules! value {
+    (Add, $r:expr, $last:expr, $at:expr) => {
+        $r($at.a) + $r($at.b)
+    };
+    (Sub, $r:expr, $last:expr, $at:expr) => {
+        $r($at.a) - $r($at.b)
+    };
+    (Mul, $r:expr, $last:expr, $at:expr) => {
+        $r($at.a) * $r($at.b)
+    };
+    (MulAdd, $r:expr, $last:expr, $at:expr) => {
+        $r($at.c) + $r($at.a) * $r($at.b)
+    };
+    (MulSub, $r:expr, $last:expr, $at:expr) => {
+        $r($at.a) * $r($at.b) - $r($at.c)
+    };
+    (SubMul, $r:expr, $last:expr, $at:expr) => {
+        $r($at.c) - $r($at.a) * $r($at.b)
+    };
+    (LastAdd, $r:expr, $last:expr, $at:expr) => {
+        $last + $r($at.a)
+    };
+    (LastSub, $r:expr, $last:expr, $at:expr) => {
+        $last - $r($at.a)
+    };
+    (SubLast, $r:expr, $last:expr, $at:expr) => {
+        $r($at.a) - $last
+    };
+    (LastMul, $r:expr, $last:expr, $at:expr) => {
+        $last * $r($at.a)
+    };
+    (LastMulAdd, $r:expr, $last:expr, $at:expr) => {
+        $r($at.a) + $last * $r($at.b)
+    };
+    (LastMulSub, $r:expr, $last:expr, $at:expr) => {
+        $last * $r($at.a) - $r($at.b)
+    };
+    (SubLastMul, $r:expr, $last:expr, $at:expr) => {
+        $r($at.a) - $last * $r($at.b)
+    };
+    (LastAddMul, $r:expr, $last:expr, $at:expr) => {
+        $last + $r($at.a) * $r($at.b)
+    };
+    (MulSubLast, $r:expr, $last:expr, $at:expr) => {
+        $r($at.a) * $r($at.b) - $last
+    };
+    (LastSubMul, $r:expr, $last:expr, $at:expr) => {
+        $last - $r($at.a) * $r($at.b)
+    };
+    (ClampLast, $r:expr, $last:expr, $at:expr) => {
+        clamp($last, $r($at.a), $r($at.b))
+    };
+}
+
+/// The forms of arithmetic, and which may follow which in one step; a step of its own is a pair with nothing.
+macro_rules! forms {
+    ($($first:ident: $($second:ident)*;)*) => {
+        /// A form of arithmetic; what it computes stands in [`value`].
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        enum Form {
+            $($first,)*
+        }
+
+        /// Number of forms.
+        const FORMS: u16 = [$(Form::$first),*].len() as u16;
+
+        /// The numbers of pairs.
+        #[expect(non_snake_case, non_upper_case_globals, reason = "forms are called as they are")]
+        mod pairs {
+            use super::{Form, number};
+
+            /// One form alone.
+            pub mod alone {
+                $(pub const $first: u16 = super::number(super::Form::$first, None);)*
+            }
+            $(pub mod $first {
+                $(pub const $second: u16 = super::number(super::Form::$first, Some(super::Form::$second));)*
+            })*
+        }
+
+        /// Runs the words of a pair, which is none if it is [`OTHER`]. Returns the result of the last one.
+        #[inline(always)]
+        fn arithmetic<N: Copy, C: Cells<N> + ?Sized>(step: &Step<N>, cells: &mut C, last: f64) -> Option<f64> {
+            let Step { pair, first, second, .. } = step;
+            match *pair {
+                $(pairs::alone::$first => {
+                    let value = value!($first, |cell| cells.get(cell), last, first);
+                    cells.set(first.to, value);
+                    Some(value)
+                })*
+                $($(pairs::$first::$second => {
+                    let value = value!($first, |cell| cells.get(cell), last, first);
+                    cells.set(first.to, value);
+                    let value = value!($second, |cell| cells.get(cell), value, second);
+                    cells.set(second.to, value);
+                    Some(value)
+                })*)*
+                _ => None,
+            }
+        }
+    };
+}
+
+forms! {
+    Add:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    Sub:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    Mul:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    MulAdd:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    MulSub:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    SubMul:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    LastAdd:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    LastSub:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    SubLast:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    LastMul:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    LastMulAdd:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    LastMulSub:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    SubLastMul:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    LastAddMul:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    MulSubLast:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    LastSubMul:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+    ClampLast:
+        Add Sub Mul MulAdd MulSub SubMul LastAdd LastSub SubLast
+        LastMul LastMulAdd LastMulSub SubLastMul LastAddMul MulSubLast LastSubMul ClampLast;
+}
+
+/// The number of a pair of forms, or of one alone.
+const fn number(first: Form, second: Option<Form>) -> u16 {
+    let second = match second {
+        None => 0,
+        Some(form) => 1 + form as u16,
+    };
+    second * FORMS + first as u16
+}
+
+/// No pair.
+const OTHER: u16 = (FORMS + 1) * FORMS;
+
+/// What a word is run as.
+enum Kind {
+    Arithmetic(Form),
+    Other(Other),
 }
 
 impl Default for Steps {
@@ -95,19 +253,35 @@ impl Default for Steps {
 }
 
 impl Steps {
-    /// The steps of the words of a tape, one each.
+    /// The steps of the words of a tape.
     pub fn new(words: &[Word]) -> Self {
         let mut last = None;
-        let step = |(number, word): (usize, &Word)| {
-            let mut step = Step::of(*word, last);
+        let mut many: Vec<Step<u32>> = Vec::with_capacity(words.len());
+        // The form of the step before, if that is one word of arithmetic.
+        let mut open: Option<Form> = None;
+        for (number_of_word, word) in words.iter().enumerate() {
+            let (kind, mut operands) = run_as(*word, last);
             match word.code {
                 Code::Hold => {}
-                Code::Require => step.to = number as u32,
+                Code::Require => operands.to = number_of_word as u32,
                 _ => last = Some(word.to),
             }
-            step
-        };
-        let many: Vec<Step<u32>> = words.iter().enumerate().map(step).collect();
+            let alone = |pair, other| Step { pair, other, first: operands, second: Operands::default() };
+            open = match (kind, open, many.last_mut()) {
+                (Kind::Arithmetic(form), Some(first), Some(step)) => {
+                    (step.pair, step.second) = (number(first, Some(form)), operands);
+                    None
+                }
+                (Kind::Arithmetic(form), ..) => {
+                    many.push(alone(number(form, None), Other::Copy));
+                    Some(form)
+                }
+                (Kind::Other(other), ..) => {
+                    many.push(alone(OTHER, other));
+                    None
+                }
+            };
+        }
         match many.iter().map(|step| step.short()).collect() {
             Some(few) => Self::Few(few),
             None => Self::Many(many),
@@ -130,69 +304,72 @@ impl Steps {
 impl Step<u32> {
     /// The same in numbers that are bytes, if they are so small.
     fn short(self) -> Option<Step<u8>> {
-        let Self { code, to, a, b, c } = self;
-        let [to, a, b, c] = [to, a, b, c].map(|number| u8::try_from(number).ok());
-        Some(Step { code, to: to?, a: a?, b: b?, c: c? })
-    }
-
-    /// A word as a step, if the last result stands in cell `last`.
-    fn of(word: Word, last: Option<u32>) -> Self {
-        let Word { code, to, a, b, c } = word;
-        let is_last = |cell: u32| last == Some(cell);
-        let (at_a, at_b, at_c) = (is_last(a), is_last(b), is_last(c));
-        let with = |code: StepCode, a: u32, b: u32| Self { code, to, a, b, c: 0 };
-        match code {
-            Code::Copy if at_a => with(StepCode::CopyLast, 0, 0),
-            Code::Neg if at_a => with(StepCode::NegLast, 0, 0),
-            Code::Add if at_a => with(StepCode::LastAdd, b, 0),
-            Code::Add if at_b => with(StepCode::LastAdd, a, 0),
-            Code::Sub if at_a => with(StepCode::LastSub, b, 0),
-            Code::Sub if at_b => with(StepCode::SubLast, a, 0),
-            Code::Mul if at_a => with(StepCode::LastMul, b, 0),
-            Code::Mul if at_b => with(StepCode::LastMul, a, 0),
-            Code::Div if at_a => with(StepCode::LastDiv, b, 0),
-            Code::Div if at_b => with(StepCode::DivLast, a, 0),
-            Code::MulAdd if at_a => with(StepCode::LastMulAdd, c, b),
-            Code::MulAdd if at_b => with(StepCode::LastMulAdd, c, a),
-            Code::MulAdd if at_c => with(StepCode::LastAddMul, a, b),
-            Code::MulSub if at_a => with(StepCode::LastMulSub, b, c),
-            Code::MulSub if at_b => with(StepCode::LastMulSub, a, c),
-            Code::MulSub if at_c => with(StepCode::MulSubLast, a, b),
-            Code::SubMul if at_a => with(StepCode::SubLastMul, c, b),
-            Code::SubMul if at_b => with(StepCode::SubLastMul, c, a),
-            Code::SubMul if at_c => with(StepCode::LastSubMul, a, b),
-            Code::Clamp if at_a => with(StepCode::ClampLast, b, c),
-            Code::Select if at_a => with(StepCode::SelectByLast, b, c),
-            code => Self { code: code.into(), to, a, b, c },
-        }
+        let Self { pair, other, first, second } = self;
+        Some(Step { pair, other, first: first.short()?, second: second.short()? })
     }
 }
 
-impl From<Code> for StepCode {
-    fn from(code: Code) -> Self {
-        match code {
-            Code::Copy => Self::Copy,
-            Code::Load => Self::Load,
-            Code::Hold => Self::Hold,
-            Code::Neg => Self::Neg,
-            Code::Add => Self::Add,
-            Code::Sub => Self::Sub,
-            Code::Mul => Self::Mul,
-            Code::Div => Self::Div,
-            Code::MulAdd => Self::MulAdd,
-            Code::MulSub => Self::MulSub,
-            Code::SubMul => Self::SubMul,
-            Code::Power => Self::Power,
-            Code::Clamp => Self::Clamp,
-            Code::Unary(function) => Self::Unary(function),
-            Code::Binary(function) => Self::Binary(function),
-            Code::Compare(relation) => Self::Compare(relation),
-            Code::Not => Self::Not,
-            Code::And => Self::And,
-            Code::Or => Self::Or,
-            Code::Select => Self::Select,
-            Code::Require => Self::Require,
-        }
+impl Operands<u32> {
+    fn short(self) -> Option<Operands<u8>> {
+        let Self { to, a, b, c } = self;
+        let [to, a, b, c] = [to, a, b, c].map(|number| u8::try_from(number).ok());
+        Some(Operands { to: to?, a: a?, b: b?, c: c? })
+    }
+}
+
+/// What a word is run as, if the last result stands in cell `last`, and its operands then.
+fn run_as(word: Word, last: Option<u32>) -> (Kind, Operands<u32>) {
+    let Word { code, to, a, b, c } = word;
+    let is_last = |cell: u32| last == Some(cell);
+    let (at_a, at_b, at_c) = (is_last(a), is_last(b), is_last(c));
+    let all = Operands { to, a, b, c };
+    let form = |form: Form, a: u32, b: u32| (Kind::Arithmetic(form), Operands { to, a, b, c: 0 });
+    let plain = |form: Form| (Kind::Arithmetic(form), all);
+    let other = |other: Other| (Kind::Other(other), all);
+    let with = |other: Other, a: u32, b: u32| (Kind::Other(other), Operands { to, a, b, c: 0 });
+    match code {
+        Code::Copy if at_a => with(Other::CopyLast, 0, 0),
+        Code::Copy => other(Other::Copy),
+        Code::Neg if at_a => with(Other::NegLast, 0, 0),
+        Code::Neg => other(Other::Neg),
+        Code::Add if at_a => form(Form::LastAdd, b, 0),
+        Code::Add if at_b => form(Form::LastAdd, a, 0),
+        Code::Add => plain(Form::Add),
+        Code::Sub if at_a => form(Form::LastSub, b, 0),
+        Code::Sub if at_b => form(Form::SubLast, a, 0),
+        Code::Sub => plain(Form::Sub),
+        Code::Mul if at_a => form(Form::LastMul, b, 0),
+        Code::Mul if at_b => form(Form::LastMul, a, 0),
+        Code::Mul => plain(Form::Mul),
+        Code::Div if at_a => with(Other::LastDiv, b, 0),
+        Code::Div if at_b => with(Other::DivLast, a, 0),
+        Code::Div => other(Other::Div),
+        Code::MulAdd if at_a => form(Form::LastMulAdd, c, b),
+        Code::MulAdd if at_b => form(Form::LastMulAdd, c, a),
+        Code::MulAdd if at_c => form(Form::LastAddMul, a, b),
+        Code::MulAdd => plain(Form::MulAdd),
+        Code::MulSub if at_a => form(Form::LastMulSub, b, c),
+        Code::MulSub if at_b => form(Form::LastMulSub, a, c),
+        Code::MulSub if at_c => form(Form::MulSubLast, a, b),
+        Code::MulSub => plain(Form::MulSub),
+        Code::SubMul if at_a => form(Form::SubLastMul, c, b),
+        Code::SubMul if at_b => form(Form::SubLastMul, c, a),
+        Code::SubMul if at_c => form(Form::LastSubMul, a, b),
+        Code::SubMul => plain(Form::SubMul),
+        Code::Clamp if at_a => form(Form::ClampLast, b, c),
+        Code::Clamp => other(Other::Clamp),
+        Code::Select if at_a => with(Other::SelectByLast, b, c),
+        Code::Select => other(Other::Select),
+        Code::Load => other(Other::Load),
+        Code::Hold => other(Other::Hold),
+        Code::Power => other(Other::Power),
+        Code::Unary(function) => other(Other::Unary(function)),
+        Code::Binary(function) => other(Other::Binary(function)),
+        Code::Compare(relation) => other(Other::Compare(relation)),
+        Code::Not => other(Other::Not),
+        Code::And => other(Other::And),
+        Code::Or => other(Other::Or),
+        Code::Require => other(Other::Require),
     }
 }
 
@@ -251,64 +428,51 @@ fn run<N: Copy + Into<u32>, C: Cells<N> + ?Sized>(
     let mut outcome = Outcome { failed: NONE, changed: false, about: 0.0 };
     let mut last = 0.0;
     for step in steps {
+        if let Some(value) = arithmetic(step, cells, last) {
+            last = value;
+            continue;
+        }
         let r = |cell: N| cells.get(cell);
-        let Step { code, to, a, b, c } = *step;
-        last = match code {
-            StepCode::Copy => r(a),
-            StepCode::Load => held[a.into() as usize],
-            StepCode::Neg => -r(a),
-            StepCode::Add => r(a) + r(b),
-            StepCode::Sub => r(a) - r(b),
-            StepCode::Mul => r(a) * r(b),
-            StepCode::Div => r(a) / r(b),
-            StepCode::MulAdd => r(c) + r(a) * r(b),
-            StepCode::MulSub => r(a) * r(b) - r(c),
-            StepCode::SubMul => r(c) - r(a) * r(b),
-            StepCode::Power => power(r(a), b.into() as i32),
-            StepCode::Clamp => clamp(r(a), r(b), r(c)),
-            StepCode::Unary(function) => function.of(r(a)),
-            StepCode::Binary(function) => function.of(r(a), r(b)),
-            StepCode::Compare(relation) => truth(relation.holds(r(a), r(b))),
-            StepCode::Not => truth(r(a) == 0.0),
-            StepCode::And => truth(r(a) != 0.0 && r(b) != 0.0),
-            StepCode::Or => truth(r(a) != 0.0 || r(b) != 0.0),
-            StepCode::Select => {
+        let Operands { to, a, b, c } = step.first;
+        last = match step.other {
+            Other::Copy => r(a),
+            Other::Load => held[a.into() as usize],
+            Other::Neg => -r(a),
+            Other::Div => r(a) / r(b),
+            Other::Power => power(r(a), b.into() as i32),
+            Other::Clamp => clamp(r(a), r(b), r(c)),
+            Other::Unary(function) => function.of(r(a)),
+            Other::Binary(function) => function.of(r(a), r(b)),
+            Other::Compare(relation) => truth(relation.holds(r(a), r(b))),
+            Other::Not => truth(r(a) == 0.0),
+            Other::And => truth(r(a) != 0.0 && r(b) != 0.0),
+            Other::Or => truth(r(a) != 0.0 || r(b) != 0.0),
+            Other::Select => {
                 if r(a) != 0.0 {
                     r(b)
                 } else {
                     r(c)
                 }
             }
-            StepCode::CopyLast => last,
-            StepCode::NegLast => -last,
-            StepCode::LastAdd => last + r(a),
-            StepCode::LastSub => last - r(a),
-            StepCode::SubLast => r(a) - last,
-            StepCode::LastMul => last * r(a),
-            StepCode::LastDiv => last / r(a),
-            StepCode::DivLast => r(a) / last,
-            StepCode::LastMulAdd => r(a) + last * r(b),
-            StepCode::LastMulSub => last * r(a) - r(b),
-            StepCode::SubLastMul => r(a) - last * r(b),
-            StepCode::LastAddMul => last + r(a) * r(b),
-            StepCode::MulSubLast => r(a) * r(b) - last,
-            StepCode::LastSubMul => last - r(a) * r(b),
-            StepCode::ClampLast => clamp(last, r(a), r(b)),
-            StepCode::SelectByLast => {
+            Other::CopyLast => last,
+            Other::NegLast => -last,
+            Other::LastDiv => last / r(a),
+            Other::DivLast => r(a) / last,
+            Other::SelectByLast => {
                 if last != 0.0 {
                     r(a)
                 } else {
                     r(b)
                 }
             }
-            StepCode::Hold => {
+            Other::Hold => {
                 let value = r(a);
                 let held = &mut held[to.into() as usize];
                 outcome.changed |= *held != value;
                 *held = value;
                 continue;
             }
-            StepCode::Require => {
+            Other::Require => {
                 if r(a) == 0.0 && outcome.failed == NONE {
                     (outcome.failed, outcome.about) = (to.into(), r(b));
                 }
@@ -329,5 +493,70 @@ pub(crate) fn clamp(u: f64, lower: f64, upper: f64) -> f64 {
         lower
     } else {
         u
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Words of all forms of arithmetic, and some others, from and to a few cells.
+    fn words() -> Vec<Word> {
+        let codes = [
+            Code::Add,
+            Code::Sub,
+            Code::Mul,
+            Code::MulAdd,
+            Code::MulSub,
+            Code::SubMul,
+            Code::Clamp,
+            Code::Div,
+            Code::Copy,
+            Code::Neg,
+            Code::Select,
+        ];
+        let operands = [[0, 1, 2], [3, 1, 2], [0, 3, 2], [0, 1, 3], [3, 3, 3], [3, 4, 3]];
+        let word = |code| operands.map(|[a, b, c]| [3, 4].map(|to| Word { code, to, a, b, c }));
+        codes.into_iter().flat_map(word).flatten().collect()
+    }
+
+    fn cells(n: usize) -> Vec<f64> {
+        [0.7, -1.3, 2.9, -0.4, 5.1].into_iter().chain(std::iter::repeat(0.0)).take(n).collect()
+    }
+
+    #[test]
+    fn words_together_leave_the_bits_of_words_alone() {
+        let words = words();
+        for first in &words {
+            for second in &words {
+                // A third one takes the last result of a pair.
+                let third = Word { code: Code::Sub, to: 4, a: 3, b: second.to, c: 0 };
+                let all = [*first, *second, third];
+                let mut wanted = cells(5);
+                all.iter().for_each(|word| _ = Steps::new(&[*word]).run(&mut wanted, &mut []));
+                // Few cells, more than a byte can name, and a name that takes more than a byte.
+                let (few, wide) = (Steps::new(&all), Word { code: Code::Copy, to: 300, a: 0, b: 0, c: 0 });
+                let many = Steps::new(&[&all[..], &[wide]].concat());
+                assert!(matches!((&few, &many), (Steps::Few(_), Steps::Many(_))));
+                for (steps, n) in [(&few, 5), (&few, FEW), (&many, 301)] {
+                    let mut cells = cells(n);
+                    steps.run(&mut cells, &mut []);
+                    let bits = |cells: &[f64]| cells[..5].iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                    assert_eq!(bits(&cells), bits(&wanted), "{all:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn arithmetic_goes_in_pairs() {
+        let word = |code, to, a| Word { code, to, a, b: 0, c: 0 };
+        let add = word(Code::Add, 1, 0);
+        let count = |words: &[Word]| match Steps::new(words) {
+            Steps::Few(steps) => steps.len(),
+            Steps::Many(steps) => steps.len(),
+        };
+        assert_eq!([1, 2, 3, 4].map(|n| count(&vec![add; n])), [1, 1, 2, 2]);
+        assert_eq!(count(&[add, word(Code::Neg, 1, 0), add, add]), 3);
     }
 }
