@@ -14,6 +14,10 @@ pub struct Tape {
     words: Vec<Word>,
     /// The instruction that each word came from.
     from: Vec<Id>,
+    /// First cell of those that it uses for itself.
+    temporaries: u32,
+    /// Those among them that hold results at the end, in order.
+    places: Vec<u32>,
     /// The words as the interpreter runs them.
     steps: Steps,
     /// What runs in its place.
@@ -23,7 +27,7 @@ pub struct Tape {
 /// Two tapes are equal if they compute the same, by whatever means.
 impl PartialEq for Tape {
     fn eq(&self, other: &Self) -> bool {
-        self.words == other.words && self.from == other.from
+        self.does_as(other) && self.from == other.from
     }
 }
 
@@ -83,7 +87,7 @@ pub enum WordCode {
 
 /// Something that computes what a tape does, to the bit, and more quickly: machine code of it.
 pub trait Machine: Debug + Send + Sync {
-    /// Computes everything.
+    /// Computes everything that is a [result](Tape::is_result).
     fn run(&self, cells: &mut [f64], held: &mut [f64]) -> Ran;
 }
 
@@ -171,6 +175,16 @@ impl Tape {
     /// Its instructions.
     pub fn words(&self) -> &[Word] {
         &self.words
+    }
+
+    /// Whether both do the same and leave the same results.
+    pub fn does_as(&self, other: &Tape) -> bool {
+        (&self.words, self.temporaries, &self.places) == (&other.words, other.temporaries, &other.places)
+    }
+
+    /// Whether what a run leaves in this cell is a result. Nobody reads the others that are written: a machine may leave there what it likes.
+    pub fn is_result(&self, cell: u32) -> bool {
+        cell < self.temporaries || self.places.binary_search(&cell).is_ok()
     }
 
     /// How many cells and held numbers a run needs.
@@ -359,7 +373,11 @@ impl<'o> Maker<'o> {
                 Root::Cell(..) | Root::Met(_) => {}
             }
         }
-        let tape = &mut self.made.tape;
+        let (tape, places) = (&mut self.made.tape, &self.made.places);
+        tape.temporaries = temporaries;
+        tape.places = places.iter().copied().filter(|cell| *cell >= temporaries).collect();
+        tape.places.sort_unstable();
+        tape.places.dedup();
         tape.steps = Steps::new(&tape.words);
         self.made
     }

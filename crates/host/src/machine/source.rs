@@ -1,6 +1,6 @@
 //! The tapes of a simulation as one source in C, for this computer: the same bits, without an interpreter.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
 
 use blocksim_block::law::{Binary, Relation, Tape, Unary, Word, WordCode};
@@ -35,12 +35,19 @@ static inline double power(double base, int n) {
 pub(super) fn source(tapes: &[&Tape]) -> String {
     let mut text = HEAD.to_owned();
     for (number, tape) in tapes.iter().enumerate() {
+        let words = tape.words().iter().enumerate();
+        let reads = words.flat_map(|(at, word)| [word.a, word.b, word.c].map(|cell| (cell, at)));
+        let last_reads: HashMap<u32, usize> = reads.collect();
         for (part, words) in tape.words().chunks(CHUNK).enumerate() {
+            // What only this function reads need not be written.
+            let is_read_behind =
+                |cell: &u32| last_reads.get(cell).is_some_and(|at| *at >= (part + 1) * CHUNK);
+            let is_written = |cell: u32| tape.is_result(cell) || is_read_behind(&cell);
             let _ = writeln!(
                 text,
                 "\nstatic void tape_{number}_{part}(double *restrict c, double *restrict h, struct ran *restrict ran) {{"
             );
-            text.push_str(&statements(words, part * CHUNK));
+            text.push_str(&statements(words, part * CHUNK, is_written));
             text.push_str("}\n");
         }
         let _ = writeln!(
@@ -56,7 +63,7 @@ pub(super) fn source(tapes: &[&Tape]) -> String {
     text
 }
 
-fn statements(words: &[Word], first: usize) -> String {
+fn statements(words: &[Word], first: usize, is_written: impl Fn(u32) -> bool) -> String {
     // What a cell that has been written in here holds, by name.
     let mut names: BTreeMap<u32, String> = BTreeMap::new();
     let mut text = String::from("    (void)c;\n    (void)h;\n    (void)ran;\n");
@@ -77,7 +84,10 @@ fn statements(words: &[Word], first: usize) -> String {
             }
             _ => {
                 let value = expression(word, r);
-                let _ = writeln!(text, "    const double v{at} = {value};\n    c[{to}] = v{at};");
+                let _ = writeln!(text, "    const double v{at} = {value};");
+                if is_written(to) {
+                    let _ = writeln!(text, "    c[{to}] = v{at};");
+                }
                 names.insert(to, format!("v{at}"));
             }
         }

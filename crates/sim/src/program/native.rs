@@ -10,11 +10,11 @@ use crate::Simulation;
 const TRIALS: u64 = 8;
 
 impl Simulation {
-    /// The tapes that are run, those of the same words once.
+    /// The tapes that are run, those that do the same once.
     pub fn tapes(&self) -> Vec<&Tape> {
         let mut found: Vec<&Tape> = Vec::new();
         for tape in self.diagram.plan.fused.tapes() {
-            if !tape.is_empty() && !found.iter().any(|other| other.words() == tape.words()) {
+            if !tape.is_empty() && !found.iter().any(|other| other.does_as(tape)) {
                 found.push(tape);
             }
         }
@@ -34,7 +34,7 @@ impl Simulation {
             return Err(other);
         }
         for tape in self.diagram.plan.fused.tapes_mut() {
-            if let Some((_, machine)) = pairs.clone().find(|(known, _)| known.words() == tape.words()) {
+            if let Some((_, machine)) = pairs.clone().find(|(known, _)| known.does_as(tape)) {
                 tape.run_by(Arc::clone(machine));
             }
         }
@@ -42,10 +42,14 @@ impl Simulation {
     }
 }
 
-/// Whether a tape and a machine leave the same bits everywhere, from these numbers and from others. Numbers that are none have many
+/// Whether a tape and a machine leave the same bits in all results, from these numbers and from others. Numbers that are none have many
 /// bits, which nobody tells apart.
 fn agree(tape: &Tape, machine: &dyn Machine, cells: &[f64], held: &[f64]) -> bool {
     let is_same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+    let results = |cells: &[f64]| {
+        let all = cells.iter().copied().enumerate();
+        all.filter(|(cell, _)| tape.is_result(*cell as u32)).map(|(_, value)| value).collect::<Vec<_>>()
+    };
     (0..=TRIALS).all(|trial| {
         let mut random = Random(trial);
         let mut varied = |numbers: &[f64]| -> Vec<f64> {
@@ -59,7 +63,7 @@ fn agree(tape: &Tape, machine: &dyn Machine, cells: &[f64], held: &[f64]) -> boo
         met.changed == changed
             && about[0].is_some() == about[1].is_some()
             && is_same((&about[0].unwrap_or(0.0), &about[1].unwrap_or(0.0)))
-            && cells.iter().zip(&other_cells).all(is_same)
+            && results(&cells).iter().zip(&results(&other_cells)).all(is_same)
             && held.iter().zip(&other_held).all(is_same)
     })
 }
