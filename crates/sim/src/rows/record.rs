@@ -166,18 +166,19 @@ impl Copies {
     }
 }
 
-/// Whether all values are finite: zero times any other one is NaN. Eight sums go abreast, without a branch.
+/// Whether all values are finite: zero times any other one is NaN. Eight sums of long rows go abreast, without a branch.
 #[inline]
 pub(crate) fn are_finite(values: &[f64]) -> bool {
-    let mut sums = [0.0; 8];
     let (eights, rest) = values.as_chunks::<8>();
-    for eight in eights {
-        for (sum, value) in sums.iter_mut().zip(eight) {
-            *sum += 0.0 * value;
+    let mut sum = rest.iter().fold(0.0, |sum, value| sum + 0.0 * value);
+    if !eights.is_empty() {
+        let mut sums = [0.0; 8];
+        for eight in eights {
+            sums.iter_mut().zip(eight).for_each(|(sum, value)| *sum += 0.0 * value);
         }
+        sum = sums.iter().fold(sum, |all, sum| all + sum);
     }
-    let rest = rest.iter().fold(0.0, |sum, value| sum + 0.0 * value);
-    sums.iter().all(|sum| *sum == 0.0) && rest == 0.0
+    sum == 0.0
 }
 
 #[cfg(test)]
