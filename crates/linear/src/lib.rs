@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `differences` | derivatives of a function, with their accuracy and the kinks at hand |
 //! | `system` | the matrices; one channel of them; sampling with a zero-order hold |
+//! | `transition` | what a system whose matrices change with time makes of its states over a step |
 //! | `minimal` | what of a channel can be reached and seen, and what leaving the rest away changes |
 //! | `parts` | which states depend on each other in a circle |
 //! | `poles`, `zeros` | eigenvalues with damping and frequency; invariant zeros |
@@ -26,6 +27,7 @@ mod parts;
 mod poles;
 mod response;
 mod system;
+mod transition;
 mod zeros;
 
 pub use course::{StepInfo, step_info, step_response};
@@ -40,4 +42,5 @@ pub use nalgebra::DMatrix;
 pub use poles::{Mode, is_stable, modes, poles};
 pub use response::{Gain, Response, static_gain};
 pub use system::{Channel, StateSpace};
+pub use transition::{Instant, NODES, transition};
 pub use zeros::zeros;

@@ -44,7 +44,7 @@ pub use steady::Rest;
 pub use tuning::untunable;
 pub use variation::chain::Origin;
 pub use variation::frozen::{Frozen, Tap};
-pub use variation::period::{Period, PeriodMap};
+pub use variation::period::{Period, PeriodMap, PeriodSlopes};
 pub use variation::sensitivity::{DISTANCES, Sensitivity, sensitivity};
 pub use verify::{Difference, Verification, verify};
 

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use blocksim_block::schedule::{Schedule, Start};
-use blocksim_sim::{Frozen, Observer, Origin, Simulation, Tap};
+use blocksim_linear::jacobian;
+use blocksim_sim::{Frozen, Observer, Origin, Period, PeriodMap, Simulation, Tap};
 use blocksim_tests::random::{Puzzle, Signals, Variant};
 use blocksim_tests::{compile_file, compile_text, diagrams_below, root};
 
@@ -194,4 +195,106 @@ fn slopes_by_the_chain_rule_are_those_of_the_whole_model() {
         exact > 300 && partly > 100 && unknown < (exact + partly) / 5,
         "{exact} exact, {partly} partly, {unknown} unknown"
     );
+}
+
+/// States above which differences of the map over a period take too long.
+const MANY: usize = 16;
+/// Sample hits in a period above which they do.
+const LONG: f64 = 50.0;
+
+/// What is known of the maps from hit to hit.
+#[derive(Default)]
+struct Mapped {
+    exact: usize,
+    partly: usize,
+    whole: Vec<String>,
+    wrong: Vec<String>,
+}
+
+/// Compares the slopes of the map over a period of the sample times with differences of the map.
+fn compare_mapped(name: &str, mut schedule: Schedule, found: &mut Mapped) {
+    schedule.settings.start = Start::Given;
+    let all: Vec<usize> = (0..schedule.blocks.len()).collect();
+    let at = 0.31 * schedule.settings.stop_time.min(LONGEST);
+    let fastest = schedule.clock.rates.iter().map(|rate| schedule.clock.time(rate.period));
+    let fastest = fastest.fold(f64::INFINITY, f64::min);
+    let given = schedule.clock.rates.is_empty().then_some(0.01 * schedule.settings.stop_time);
+    let Ok(period) = Period::of(&schedule, &all, at, given) else { return };
+    if schedule.states > MANY || period.length / fastest > LONG {
+        return;
+    }
+    let last = schedule.signals.len().saturating_sub(1);
+    let cells: Vec<usize> =
+        [0, last / 2].iter().filter_map(|&k| schedule.signals.get(k)).map(|signal| signal.offset).collect();
+    let taps: Vec<Tap> = cells.first().map(|&cell| Tap { cell, open: false }).into_iter().collect();
+    let made = PeriodMap::new(&schedule, (&all, period), taps.clone(), false, &mut Nobody);
+    let Ok(Some((mut map, _))) = made else { return };
+    let (x, n) = (map.states().to_vec(), map.states().len());
+    if n == 0 || n > MANY {
+        return;
+    }
+    let slopes = match map.slopes(taps.len(), &cells, false, &mut || true) {
+        Ok(slopes) => slopes,
+        Err(reason) => return found.whole.push(format!("{name}: {reason}")),
+    };
+    match slopes.by_differences.is_empty() {
+        true => found.exact += 1,
+        false => found.partly += 1,
+    }
+    let point: Vec<f64> = x.iter().copied().chain(taps.iter().map(|_| 0.0)).collect();
+    let rows = n + cells.len();
+    let differences = jacobian(&point, rows, |z, out| {
+        let (next, values) = out.split_at_mut(n);
+        map.evaluate(&z[..n], &z[n..], next)?;
+        values.iter_mut().zip(&cells).for_each(|(value, &cell)| *value = map.signal(cell));
+        Ok::<(), blocksim_sim::SimError>(())
+    });
+    let Ok(differences) = differences else { return };
+    let size = |column: usize| point[column].abs().max(1.0);
+    for row in 0..rows {
+        let parts = (0..point.len()).map(|column| differences.value[(row, column)].abs() * size(column));
+        let largest = parts.fold(0.0, f64::max);
+        for column in 0..point.len() {
+            let exact = match row.checked_sub(n) {
+                None => slopes.next[(row, column)],
+                Some(output) => slopes.signal(cells[output], column),
+            };
+            let (other, error) = (differences.value[(row, column)], differences.error[(row, column)]);
+            let within =
+                CLOSE.0 * exact.abs().max(other.abs()) + CLOSE.1 * largest / size(column) + 10.0 * error;
+            if (exact - other).abs() > within {
+                found.wrong.push(format!(
+                    "{name}, {} s: row {row} of {n} over column {column}: {exact}, but {other} +- {error}",
+                    period.begin
+                ));
+            }
+        }
+    }
+}
+
+#[test]
+fn slopes_from_hit_to_hit_are_those_of_the_map() {
+    let paths = [diagrams_below("diagrams"), diagrams_below("docs/blocks")].concat();
+    let mut found = Mapped::default();
+    for path in &paths {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        let Some(schedule) = compile_file(&name, &[]).0.schedule else { continue };
+        compare_mapped(&name, schedule, &mut found);
+    }
+    for seed in 1..101 {
+        let (compiled, problems) = compile_text(&Signals::of(seed).text(&Variant::plain()));
+        let schedule = compiled.schedule.unwrap_or_else(|| panic!("signals {seed}: {problems}"));
+        compare_mapped(&format!("signals {seed}"), schedule, &mut found);
+    }
+    let Mapped { exact, partly, whole, wrong } = found;
+    assert!(wrong.is_empty(), "{} in {exact} + {partly}:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(
+        exact > 40 && partly > 80 && whole.len() < 60,
+        "{exact} exact, {partly} partly, {} not:\n{}",
+        whole.len(),
+        whole.join("\n")
+    );
+    // Nobody is to be left to differences because a look at slopes that are right contradicts them.
+    let contradicted: Vec<&String> = whole.iter().filter(|reason| reason.contains("are not those")).collect();
+    assert!(contradicted.is_empty(), "{contradicted:#?}");
 }

@@ -248,6 +248,182 @@ fn what_cannot_be_sampled_is_refused_with_cause_and_remedy() {
     }
 }
 
+/// The second line of the output, on where slopes come from.
+fn way(desk: &Desk, words: &[&str]) -> String {
+    let output = desk.linearise(&[words, &["--no-plot"]].concat());
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    text.lines().nth(1).unwrap_or_else(|| panic!("{}", said(&output))).to_owned()
+}
+
+const EXACT: &str = "slopes are exact, from the laws of the blocks";
+
+/// An oscillator behind a hold, with a sampled PI controller, against the closed form of its transition matrix.
+#[test]
+fn a_plant_of_second_order_behind_a_hold_has_its_closed_form() {
+    let model = r#"Diagram(
+        simulation: (stop_time: "20 s"),
+        blocks: {
+            "demand": Constant(value: 1), "error": Sum(signs: "+-"),
+            "pi": DiscretePid(ts: "0.2 s", kp: 0.4, ki: 1.5, integrator: Trapezoidal),
+            "stiffness": Gain(k: 9), "damping": Gain(k: 1.2), "sum": Sum(signs: "+--"), "gain": Gain(k: 9),
+            "v": Integrator, "x": Integrator(x0: 0.3), "scope": Scope,
+        },
+        connections: [
+            "demand.y -> error.u1", "error.y -> pi.e", "pi.u -> gain.u", "gain.y -> sum.u1", "damping.y -> sum.u2",
+            "stiffness.y -> sum.u3", "sum.y -> v.u", "v.y -> x.u, damping.u", "x.y -> stiffness.u, error.u2, scope.u",
+        ],
+    )"#;
+    let desk = desk("second", model);
+    let words = ["m.ron", "--sampled", "--at", "3s", "--from", "demand.y", "--to", "x.y"];
+    assert_eq!(way(&desk, &words), EXACT);
+    let found = desk.json(&words);
+    assert_eq!(found["differences"]["because"], Value::Null);
+    // x'' + 2 s x' + w^2 x = w^2 u with s = 0.6, w = 3, d = sqrt(w^2 - s^2); of the two states v and x.
+    let (t, kp, ki, s, w) = (0.2_f64, 0.4, 1.5, 0.6_f64, 3.0_f64);
+    let d = (w * w - s * s).sqrt();
+    let (e, c, n) = ((-s * t).exp(), (d * t).cos(), (d * t).sin());
+    let phi = [[e * (c - s / d * n), -e * w * w / d * n], [e * n / d, e * (c + s / d * n)]];
+    // A constant u keeps x = u at rest.
+    let gamma = [-phi[0][1], 1.0 - phi[1][1]];
+    // u = (kp + ki T / 2) (r - x) + i, i+ = i + ki T (r - x).
+    let k = kp + ki * t / 2.0;
+    let expected = |row: &str, column: &str| match (row, column) {
+        ("v.x", "v.x") => phi[0][0],
+        ("v.x", "x.x") => phi[0][1] - gamma[0] * k,
+        ("v.x", "i") => gamma[0],
+        ("v.x", "r") => gamma[0] * k,
+        ("x.x", "v.x") => phi[1][0],
+        ("x.x", "x.x") => phi[1][1] - gamma[1] * k,
+        ("x.x", "i") => gamma[1],
+        ("x.x", "r") => gamma[1] * k,
+        ("i", "x.x") => -ki * t,
+        ("i", "i") => 1.0,
+        ("i", "r") => ki * t,
+        _ => 0.0,
+    };
+    let names: Vec<String> = states(&found).into_iter().map(|state| state.0).collect();
+    let short = |name: &str| if name == "pi.integral" { "i".to_owned() } else { name.to_owned() };
+    let a = matrix(&found);
+    for (i, row) in names.iter().enumerate() {
+        for (j, column) in names.iter().enumerate() {
+            let exact = expected(&short(row), &short(column));
+            assert!((a[i][j] - exact).abs() < 1e-13, "{row} by {column}: {} {exact}", a[i][j]);
+        }
+        let (b, exact) = (number(&found["b"][i][0]), expected(&short(row), "r"));
+        assert!((b - exact).abs() < 1e-13, "{row} by the demand: {b} {exact}");
+    }
+}
+
+/// The cascade of two rates, against the product of the closed forms of its three short periods.
+#[test]
+fn two_rates_have_the_product_of_their_closed_forms() {
+    let desk = desk("product", CASCADE);
+    let words = ["m.ron", "--sampled", "--from", "demand.y", "--to", "x.y"];
+    assert_eq!(way(&desk, &words), EXACT);
+    let found = desk.json(&words);
+    // v' = (u - v) / 0.5, x' = v; u = 3 (0.8 (r - X) - v) + i, i+ = i + 0.4 (0.8 (r - X) - v), X that of the first hit.
+    let (t, tau) = (0.1_f64, 0.5);
+    let e = (-t / tau).exp();
+    let period = |start: [f64; 3], r: f64| {
+        let [mut v, mut x, mut i] = start;
+        let first = x;
+        for _ in 0..3 {
+            let error = 0.8 * (r - first) - v;
+            let u = 3.0 * error + i;
+            x += tau * (1.0 - e) * v + (t - tau * (1.0 - e)) * u;
+            v = e * v + (1.0 - e) * u;
+            i += 0.4 * error;
+        }
+        [v, x, i]
+    };
+    let names: Vec<String> = states(&found).into_iter().map(|state| state.0).collect();
+    let place = |name: &str| ["v.x", "x.x", "pi.integral"].iter().position(|own| *own == name);
+    let a = matrix(&found);
+    for (row, i) in names.iter().enumerate().filter_map(|(row, name)| Some((row, place(name)?))) {
+        for (column, j) in names.iter().enumerate().filter_map(|(row, name)| Some((row, place(name)?))) {
+            let mut unit = [0.0; 3];
+            unit[j] = 1.0;
+            let exact = period(unit, 0.0)[i];
+            assert!((a[row][column] - exact).abs() < 1e-13, "{row} {column}: {} {exact}", a[row][column]);
+        }
+        assert!((number(&found["b"][row][0]) - period([0.0; 3], 1.0)[i]).abs() < 1e-13);
+    }
+}
+
+/// Along a way that is no straight line, with a source that jumps on it, at rest and moving.
+#[test]
+fn slopes_along_a_curved_way_have_their_closed_forms() {
+    let model = |law: &str, more: &str, wires: &str| {
+        format!(
+            r#"Diagram(simulation: (stop_time: "20 s"), blocks: {{ "law": Expression(law: "{law}"), "x": Integrator(x0: 0.8),
+            "scope": Scope, {more} }}, connections: ["law.y -> x.u", "x.y -> scope.u, law.u1", {wires}])"#
+        )
+    };
+    let desk = Desk::new("curved");
+    let slope = |text: &str, words: &[&str]| {
+        std::fs::write(desk.0.join("m.ron"), text).unwrap();
+        let words = [&["m.ron"], words].concat();
+        assert_eq!(way(&desk, &words), EXACT, "{text}");
+        let found = desk.json(&words);
+        (states(&found)[0].1, matrix(&found)[0][0])
+    };
+    // x' = -x^3: x(T) = x / sqrt(1 + 2 x^2 T).
+    let cubic = model("-u1^3", "", "");
+    let (x, found) = slope(&cubic, &["--sampled=0.5s"]);
+    let exact = (1.0 + 2.0 * x * x * 0.5).powf(-1.5);
+    assert!(x == 0.8 && (found - exact).abs() < 1e-9, "{found} {exact}");
+    // x' = u x with u = -2 x at the hit: x(T) = x exp(-2 x T).
+    let held = r#""hold": ZeroOrderHold(ts: "0.25 s"), "k": Gain(k: -2)"#;
+    let product = model("u1*u2", held, r#""x.y -> hold.u", "hold.y -> k.u", "k.y -> law.u2""#);
+    for at in ["0s", "1.1s"] {
+        let (x, found) = slope(&product, &["--sampled", "--at", at]);
+        let exact = (1.0 - 0.5 * x) * (-0.5 * x).exp();
+        assert!((found - exact).abs() < 1e-10, "{at}: {found} {exact}");
+    }
+    // x' = -x r(t), where r jumps from 1 to 3 within the period: exp(-0.05 - 3 * 0.15).
+    let step = r#""r": Step(time: "0.05 s", before: 1, after: 3)"#;
+    let (_, found) = slope(&model("-u1*u2", step, r#""r.y -> law.u2""#), &["--sampled=0.2s"]);
+    assert!((found - (-0.5_f64).exp()).abs() < 1e-12, "{found}");
+}
+
+/// Where slopes do not follow from laws they are differences, and the output tells why.
+#[test]
+fn what_is_not_followed_is_differenced_and_named() {
+    let model = |block: &str, wires: &str| {
+        format!(
+            r#"Diagram(simulation: (stop_time: "20 s"), blocks: {{ {block}, "hold": ZeroOrderHold(ts: "0.5 s"), "back": Gain(k: -0.8),
+            "x": Integrator(x0: 1), "scope": Scope }}, connections: ["x.y -> hold.u, scope.u", "hold.y -> back.u", {wires}])"#
+        )
+    };
+    let desk = Desk::new("differenced");
+    let text = |text: &str, words: &[&str]| {
+        std::fs::write(desk.0.join("m.ron"), text).unwrap();
+        let words = [&["m.ron", "--sampled"], words].concat();
+        (way(&desk, &words), matrix(&desk.json(&words)))
+    };
+    // A table is no law; its slope is 2 where it is used.
+    let table = model(
+        r#""table": LookupTable1D(breakpoints: [-10, 0, 10], table: [-20, 0, 10])"#,
+        r#""back.y -> table.u", "table.y -> x.u""#,
+    );
+    let (words, a) = text(&table, &[]);
+    assert!(words == EXACT || words.ends_with("differences in `table`"), "{words}");
+    assert!((a[0][0] - 0.2).abs() < 1e-9, "{a:?}");
+    // At the edge of a limit: both sides count.
+    let edge =
+        model(r#""limit": Saturation(lower: -0.8, upper: 5)"#, r#""back.y -> limit.u", "limit.y -> x.u""#);
+    let (words, a) = text(&edge, &[]);
+    assert!(words.contains("differences of the whole model, as `limit` has a kink there"), "{words}");
+    assert!((a[0][0] - 0.8).abs() < 1e-6, "{a:?}");
+    let (words, a) = text(&edge, &["--at", "0.5s"]);
+    assert_eq!(words, EXACT);
+    assert!((a[0][0] - 0.6).abs() < 1e-12);
+    // Beyond it nothing comes back.
+    let beyond = edge.replace("-0.8, upper", "-0.2, upper");
+    let (words, a) = text(&beyond, &[]);
+    assert!(words == EXACT && a[0][0] == 1.0, "{words}, {a:?}");
+}
+
 #[test]
 fn a_run_that_holds_samples_says_how_they_are_taken_as_they_are() {
     let desk = desk("hint", DOUBLE);

@@ -57,6 +57,8 @@ pub(crate) struct Chain {
     rings: Vec<Ring>,
     derivatives: Vec<Link>,
     updates: Vec<Link>,
+    /// Discrete states that laws set at major steps.
+    settled: Vec<Link>,
     rests: Vec<Link>,
     opaque: Vec<Opaque>,
     taps: Vec<(Tap, Option<usize>)>,
@@ -78,6 +80,8 @@ struct Work {
     /// Opaque blocks that have had a part in rates.
     used: Vec<bool>,
     origin: Option<Origin>,
+    /// The first block whose slopes are not known along the direction.
+    unknown: Option<usize>,
     /// Differences are taken with their errors added.
     doubts: bool,
 }
@@ -161,6 +165,7 @@ impl Chain {
             rings: Vec::new(),
             derivatives: Vec::new(),
             updates: Vec::new(),
+            settled: Vec::new(),
             rests: Vec::new(),
             opaque: Vec::new(),
             taps: taps.to_vec(),
@@ -259,6 +264,16 @@ impl Chain {
         self.updates.push(link);
     }
 
+    /// Adds the discrete states that the law of a block sets at major steps.
+    pub fn add_settled(&mut self, diagram: &Diagram, block: usize) {
+        let Some(law) = &diagram.schedule.blocks[block].law else { return };
+        let wanted: Vec<Id> = law.settled.iter().map(|(_, id)| *id).collect();
+        let first = diagram.plan.units[block].d.range().start;
+        let to = law.settled.iter().map(|(i, _)| first + i).collect();
+        let how = of_law(diagram, block, &wanted);
+        self.settled.push(Link { block, call: None, to, how });
+    }
+
     /// Adds what the outputs of a block become once it has rested, for which it is called so.
     pub fn add_rest(&mut self, diagram: &Diagram, block: usize, calls: &[usize]) {
         let schedule = &diagram.schedule;
@@ -298,7 +313,8 @@ impl Chain {
         for opaque in &mut self.opaque {
             opaque.fix(diagram, &live, varies);
         }
-        let all = [&mut self.links, &mut self.derivatives, &mut self.updates].into_iter().flatten();
+        let all = [&mut self.links, &mut self.derivatives, &mut self.updates, &mut self.settled];
+        let all = all.into_iter().flatten();
         for link in all {
             if let How::Law(law) = &mut link.how {
                 law.fix(diagram, link.block, &link.to, &mut self.work);
@@ -352,7 +368,7 @@ impl Chain {
 
     /// Follows a direction. Returns what is known of the rates that are found then: of signals, and of derivatives, in `dx`.
     pub fn along(&mut self, diagram: &Diagram, direction: &Direction, dx: &mut [f64]) -> Origin {
-        self.work.origin = Some(Origin::Laws);
+        (self.work.origin, self.work.unknown) = (Some(Origin::Laws), None);
         self.work.rates.fill(0.0);
         direction.cells.iter().for_each(|(cell, rate)| self.work.rates[*cell] = *rate);
         self.work.touch(&self.taps, None, direction);
@@ -391,6 +407,20 @@ impl Chain {
         self.work.origin.unwrap_or(Origin::Unknown)
     }
 
+    /// The block whose law would have to set a discrete state to something else along the direction, behind
+    /// [`along`](Self::along): none where all that is set are modes, away from where they change.
+    pub fn moves_settled(&mut self, diagram: &Diagram, direction: &Direction) -> Option<usize> {
+        let before = self.work.origin;
+        self.work.origin = Some(Origin::Laws);
+        let found = self.settled.iter().find(|link| {
+            link.follow(&self.opaque, diagram, direction, &mut self.work);
+            self.work.made.iter().any(|rate| *rate != 0.0) || self.work.origin != Some(Origin::Laws)
+        });
+        let found = found.map(|link| link.block);
+        self.work.origin = before;
+        found
+    }
+
     /// The rates of what the outputs of those become that have rested, behind [`along`](Self::along).
     pub fn rests(
         &mut self,
@@ -408,6 +438,11 @@ impl Chain {
     /// Lets differences be taken with their errors added, or no longer.
     pub fn doubt(&mut self, doubts: bool) {
         self.work.doubts = doubts;
+    }
+
+    /// The first block whose slopes are not known along the last direction, or that is in an algebraic loop where they are not.
+    pub fn unknown(&self) -> Option<usize> {
+        self.work.unknown
     }
 
     /// Rate of a cell along the last direction, as those who read it see it.
@@ -472,6 +507,13 @@ impl Work {
 impl Link {
     /// Leaves in `made` the rates of what it writes.
     fn follow(&self, opaque: &[Opaque], diagram: &Diagram, direction: &Direction, work: &mut Work) {
+        self.make(opaque, diagram, direction, work);
+        if work.origin == Some(Origin::Unknown) {
+            work.unknown.get_or_insert(self.block);
+        }
+    }
+
+    fn make(&self, opaque: &[Opaque], diagram: &Diagram, direction: &Direction, work: &mut Work) {
         let unit = &diagram.plan.units[self.block];
         let (x, d) = (&direction.x[unit.x.range()], &direction.d[unit.d.range()]);
         work.made.clear();

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use blocksim_block::law::{BlockLaw, Recording};
 use blocksim_block::schedule::{Instance, Schedule, Step, When};
 use blocksim_block::{Block, Context, Input, Interface, Output, Scratch};
 use blocksim_signal::Shape;
@@ -23,6 +24,11 @@ pub(crate) struct Lever {
 }
 
 impl Lever {
+    /// The cell of the change.
+    pub fn change(&self) -> usize {
+        self.first + CELLS - 1
+    }
+
     /// Lets readers have the signal and a change; of one that is cut, the value `held` and the change.
     pub fn set(&self, signals: &mut [f64], held: Option<f64>, change: f64) {
         let cells = [f64::from(held.is_some()), held.unwrap_or(0.0), change];
@@ -120,16 +126,19 @@ fn insert(
         .input(Input::real("u").shape(signal.shape))
         .input(Input::real("change").shape(Shape::Vector(CELLS)))
         .output(Output::real("y").shape(signal.shape));
+    let (block, inputs) = (Arc::new(Change { element }), vec![(0, n as u32), (n as u32, (n + CELLS) as u32)]);
+    let block: Arc<dyn Block> = block;
+    let law = BlockLaw::record(&block, &interface, &inputs, &[(0, n as u32)]).ok().flatten();
     schedule.blocks.push(Instance {
         path: signal.path.clone(),
         kind: "Lever".to_owned(),
         place: None,
         parts: Vec::new(),
-        block: Arc::new(Change { element }),
-        law: None,
+        block,
+        law: law.map(Arc::new),
         interface,
         gather: vec![(home as u32, n as u32), (first as u32, CELLS as u32)],
-        inputs: vec![(0, n as u32), (n as u32, (n + CELLS) as u32)],
+        inputs,
         outputs: vec![(0, n as u32)],
         y,
         x: schedule.states,
@@ -163,6 +172,15 @@ struct Change {
 }
 
 impl Block for Change {
+    fn law(&self, l: &Recording) -> bool {
+        let [cut, held, change] = [0, 1, 2].map(|cell| l.element(1, cell));
+        l.each(0, |i| match i == self.element {
+            true => change + cut.is_true().select(held, l.element(0, i)),
+            false => l.element(0, i),
+        });
+        true
+    }
+
     fn outputs(&self, _group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
         y.copy_from_slice(c.input(0));
         let [cut, held, change] = [0, 1, 2].map(|cell| c.input(1)[cell]);

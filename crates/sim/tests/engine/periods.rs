@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use blocksim_block::schedule::{OutputTimes::Steps, Schedule};
 use blocksim_linear::{DMatrix, jacobian};
-use blocksim_sim::{Period, PeriodMap, Tap};
+use blocksim_sim::{Period, PeriodMap, PeriodSlopes, Tap};
 
 use crate::toys::*;
 
@@ -33,6 +33,64 @@ fn two_rates() -> Toy {
         .with("sum", Function2(|late, v| -0.4 * late - 0.9 * v), &["late", "v"])
         .with("late", UnitDelay(0.75), &["x"])
         .with("force", Hold(0.25), &["sum"])
+}
+
+/// Slopes call by call, with all taps as inputs.
+fn slopes(map: &mut PeriodMap, taps: usize) -> PeriodSlopes {
+    map.slopes(taps, &[], false, &mut || true).unwrap_or_else(|reason| panic!("{reason}"))
+}
+
+#[test]
+fn slopes_from_hit_to_hit_are_those_of_the_whole() {
+    let schedule = two_rates().schedule(&["x"], 60.0, ode45(), Steps);
+    for t in [0.0, 0.3, 29.5] {
+        let mut map = map(&schedule, t, vec![Tap { cell: 0, open: false }]);
+        let (whole, found) = (matrix(&mut map), slopes(&mut map, 1));
+        let n = map.states().len();
+        let apart = (found.next.columns(0, n) - &whole).amax();
+        assert!(apart < 1e-9, "{apart} at {t} s: {} {whole}", found.next);
+        assert!(found.by_differences.iter().any(|path| path == "late"), "{:?}", found.by_differences);
+        // The change of `x` comes to the delay alone, whose value is that of the period before.
+        let point = map.states().to_vec();
+        let mut sides = [vec![0.0; n], vec![0.0; n]];
+        for (side, by) in sides.iter_mut().zip([0.5, -0.5]) {
+            map.evaluate(&point, &[by], side).unwrap();
+        }
+        let [above, below] = sides;
+        for (slope, (above, below)) in found.next.column(n).iter().zip(above.iter().zip(&below)) {
+            assert!((slope - (above - below)).abs() < 1e-9);
+        }
+    }
+}
+
+/// Where a value is held over the beginning of the period, and where a tap is cut.
+#[test]
+fn slopes_by_held_values_and_behind_cuts_are_known() {
+    let schedule = Toy::new()
+        .with("x", Integrator(1.0), &["sum"])
+        .with("sum", Function2(|a, b| -a - b * b), &["even", "odd"])
+        .with("even", Hold(0.5), &["x"])
+        .with("odd", Late(0.5), &["x"])
+        .with("aside", Hold(0.25), &["x"])
+        .schedule(&["x"], 10.0, ode45(), Steps);
+    let cell = |name: &str| schedule.signals.iter().find(|s| s.path.starts_with(name)).unwrap().offset;
+    for open in [false, true] {
+        let involved = [0, 1, 2, 3];
+        let period = Period::of(&schedule, &involved, 1.0, None).unwrap();
+        let taps = vec![Tap { cell: cell("even"), open }];
+        let made = PeriodMap::new(&schedule, (&involved, period), taps, false, &mut Tape::default());
+        let mut map = made.unwrap().unwrap().0;
+        assert_eq!(map.names(), ["x.x", "odd.y"]);
+        let found = map.slopes(1, &[cell("even")], false, &mut || true).unwrap();
+        assert_eq!(map.names(), ["x.x", "odd.y"]);
+        assert!((matrix(&mut map) - found.next.columns(0, 2)).amax() < 1e-9, "{}", found.next);
+        let seen = (found.signal(cell("even"), 0), found.signal(cell("even"), 2), found.given(0, 0));
+        assert_eq!(seen, (f64::from(!open), 1.0, 1.0), "{open}");
+        // The change acts over the whole period: first by itself, then through `odd` in its second half.
+        let x = map.states()[0] - 0.25 * (map.signal(cell("even")) + map.states()[1].powi(2));
+        let by = -0.25 - 0.25 * (1.0 - 2.0 * x * 0.25);
+        assert!((found.next[(0, 2)] - by).abs() < 1e-9, "{} {by}", found.next);
+    }
 }
 
 /// Of a linear loop the power of the matrix is the long simulation.

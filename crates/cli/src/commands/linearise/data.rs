@@ -50,7 +50,7 @@ pub fn json(found: &Found, with_curves: bool) -> Value {
         "c": matrix(&system.system.c),
         "d": matrix(&system.system.d),
         "accuracy": system.accuracy,
-        "differences": { "blocks": system.method.blocks, "over": system.method.columns },
+        "differences": { "blocks": system.method.blocks, "over": system.method.columns, "because": system.method.because },
         "not_smooth": system.kinks,
         "stuck": stays(Stays::Stuck),
         "limited": stays(Stays::Limited),

@@ -75,6 +75,8 @@ pub struct Method {
     pub blocks: Vec<String>,
     /// States and inputs over which differences of the whole model are taken, as there is a kink or something unknown.
     pub columns: Vec<String>,
+    /// Why they are, where that is known.
+    pub because: Option<String>,
 }
 
 /// Why a block does not answer.
@@ -265,15 +267,6 @@ impl Function for Model<'_> {
     }
 }
 
-/// A function of which nothing but values is known.
-pub(super) struct Values<F>(pub F);
-
-impl<F: FnMut(&[f64], &mut [f64]) -> Result<(), NoMatrices>> Function for Values<F> {
-    fn evaluate(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), NoMatrices> {
-        self.0(z, out)
-    }
-}
-
 /// Where signals are changed or cut, and at these cells besides.
 pub(super) fn taps(question: &Question, others: impl Iterator<Item = usize>) -> Vec<Tap> {
     let is_open = |cell: usize| question.open.iter().any(|open| open.cell == cell);
@@ -384,7 +377,7 @@ fn mixed(
         }
         kinks = rest.kinks;
     }
-    Ok((Jacobian { value, error, kinks }, Method { blocks, columns: names }))
+    Ok((Jacobian { value, error, kinks }, Method { blocks, columns: names, because: None }))
 }
 
 /// The dead times among some blocks.

@@ -114,7 +114,7 @@ fn heading(found: &Found) -> String {
 
 /// How exact slopes are, and where they are differences.
 fn slopes(found: &Linearised) -> String {
-    let Method { blocks, columns } = &found.method;
+    let Method { blocks, columns, because } = &found.method;
     let listed = |names: &[String]| {
         let more = names.len().saturating_sub(FEW);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
@@ -134,7 +134,12 @@ fn slopes(found: &Linearised) -> String {
     match parts.is_empty() {
         true => "slopes are exact, from the laws of the blocks\n".to_owned(),
         false => {
-            format!("slopes are good to {}: differences {}\n", digits(found.accuracy), parts.join(", and "))
+            let because = because.iter().map(|because| format!(", as {because}")).collect::<String>();
+            format!(
+                "slopes are good to {}: differences {}{because}\n",
+                digits(found.accuracy),
+                parts.join(", and ")
+            )
         }
     }
 }

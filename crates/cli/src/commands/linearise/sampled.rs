@@ -2,10 +2,10 @@
 
 use blocksim_block::schedule::Schedule;
 use blocksim_linear::{DMatrix, StateSpace};
-use blocksim_sim::{Period, PeriodMap};
+use blocksim_sim::{Origin, Period, PeriodMap, PeriodSlopes, Tap};
 
 use super::matrices::{
-    Labels, Linearised, Method, NoMatrices, Question, Slopes, Values, between, modes, slopes, taps,
+    Function, Labels, Linearised, Method, NoMatrices, Question, Slopes, between, modes, slopes, taps,
 };
 use super::point::Patient;
 use crate::exit::Exit;
@@ -41,66 +41,43 @@ pub fn linearise(
     let taps = taps(question, std::iter::empty());
     let cut: Vec<bool> = taps.iter().map(|tap| tap.open).collect();
     let made = PeriodMap::new(schedule, (&involved, period), taps.clone(), when.steady, &mut Patient);
-    let Some((mut map, adrift)) = made.map_err(|error| stopped(error.into()))? else {
+    let Some((map, adrift)) = made.map_err(|error| stopped(error.into()))? else {
         return Err(NoMatrices::Interrupted);
     };
     let modes = modes(schedule, &involved, map.discrete());
     let value = question.from.as_ref().map(|from| map.signal(from.cell));
     let x = map.states().to_vec();
     let (n, inputs, outputs) = (x.len(), usize::from(question.from.is_some()), question.to.len());
-    let mut change = vec![0.0; taps.len()];
-    let mut evaluate = |map: &mut PeriodMap, z: &[f64], out: &mut [f64]| -> Result<(), NoMatrices> {
-        if interrupt::is_requested() {
-            return Err(NoMatrices::Interrupted);
-        }
-        let (next, y) = out.split_at_mut(n);
-        // The signal that is changed is the first one.
-        change.iter_mut().zip(&z[n..]).for_each(|(change, input)| *change = *input);
-        map.evaluate(&z[..n], &change, next)?;
-        for (y, to) in y.iter_mut().zip(&question.to) {
-            *y = match taps.iter().position(|tap| tap.open && tap.cell == to.cell) {
-                Some(place) if question.is_loop => -map.given(place),
-                Some(place) => map.given(place),
-                None => map.signal(to.cell),
-            };
-        }
-        Ok(())
-    };
     let point: Vec<f64> = x.iter().copied().chain(vec![0.0; inputs]).collect();
     let mut there = vec![0.0; n + outputs];
-    evaluate(&mut map, &point, &mut there)?;
     let names = map.names().to_vec();
+    let mut model = Model { map, question, change: vec![0.0; taps.len()], taps, slopes: None };
+    model.evaluate(&point, &mut there)?;
     let next = names.iter().map(|state| format!("the next `{state}`"));
     let input = question.from.iter().map(|from| format!("`{}`", from.name));
     let labels = Labels {
         rows: next.chain(question.to.iter().map(|to| format!("`{}`", to.name))).collect(),
         columns: names.iter().map(|state| format!("`{state}`")).chain(input).collect(),
     };
-    let mut values = Values(|z: &[f64], out: &mut [f64]| evaluate(&mut map, z, out));
-    let found = slopes((&point, &there, n), Some(period.length), &labels, &mut values);
-    let Slopes { system, accuracy, kinks, .. } = found.map_err(stopped)?;
+    let because = model.follow(inputs)?;
+    let found = slopes((&point, &there, n), Some(period.length), &labels, &mut model);
+    let Slopes { system, accuracy, kinks, method } = found.map_err(stopped)?;
     if question.is_loop {
         // With the loop closed, and without a change.
         let first = question.open[0].cell;
-        let closed: Vec<bool> = taps.iter().zip(&cut).map(|(tap, cut)| *cut && tap.cell != first).collect();
-        map.open(&closed);
+        let closed: Vec<bool> =
+            model.taps.iter().zip(&cut).map(|(tap, cut)| *cut && tap.cell != first).collect();
+        model.map.open(&closed);
+        model.follow(0)?;
         let none = Labels { columns: labels.columns[..n].to_vec(), rows: labels.rows[..n].to_vec() };
-        let mut all = vec![0.0; n + outputs];
-        let mut values = Values(|z: &[f64], out: &mut [f64]| {
-            let z: Vec<f64> = z.iter().copied().chain([0.0]).collect();
-            evaluate(&mut map, &z, &mut all)?;
-            out.copy_from_slice(&all[..n]);
-            Ok(())
-        });
-        let own = slopes((&point[..n], &there[..n], n), Some(period.length), &none, &mut values);
+        let own = slopes((&point[..n], &there[..n], n), Some(period.length), &none, &mut model);
         is_once_around(&system, &own.map_err(stopped)?.system.a, question, period.length)?;
     }
     let sign = if question.is_loop { -1.0 } else { 1.0 };
     let linearised = Linearised {
         accuracy,
         kinks,
-        // A period is a run, and all of it by differences.
-        method: Method { blocks: Vec::new(), columns: labels.columns },
+        method: Method { because, ..method },
         value,
         values: there[n..].iter().map(|y| sign * y).collect(),
         held: Vec::new(),
@@ -111,6 +88,87 @@ pub fn linearise(
         system,
     };
     Ok((linearised, period.begin, adrift))
+}
+
+/// What is linearised: a model over a period, as a function of its states and of the change of a signal.
+struct Model<'q> {
+    map: PeriodMap,
+    question: &'q Question,
+    taps: Vec<Tap>,
+    /// What is added at the taps.
+    change: Vec<f64>,
+    /// The slopes, and those with the errors of differences added.
+    slopes: Option<[PeriodSlopes; 2]>,
+}
+
+impl Model<'_> {
+    /// Takes the slopes where they are known, with so many inputs. Returns why they are not.
+    fn follow(&mut self, inputs: usize) -> Result<Option<String>, NoMatrices> {
+        let outputs: Vec<usize> = self.question.to.iter().map(|to| to.cell).collect();
+        let mut go = || !interrupt::is_requested();
+        let mut take = |doubts: bool| self.map.slopes(inputs, &outputs, doubts, &mut go);
+        let found = take(false).and_then(|exact| {
+            let doubtful = if exact.by_differences.is_empty() { exact.clone() } else { take(true)? };
+            Ok([exact, doubtful])
+        });
+        if interrupt::is_requested() {
+            return Err(NoMatrices::Interrupted);
+        }
+        match found {
+            Ok(slopes) => self.slopes = Some(slopes),
+            Err(reason) => {
+                self.slopes = None;
+                return Ok(Some(reason));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The outputs, or their slopes, with what is at cells and what was given at taps.
+    fn outputs(&self, at: &dyn Fn(usize) -> f64, given: &dyn Fn(usize) -> f64, y: &mut [f64]) {
+        for (y, to) in y.iter_mut().zip(&self.question.to) {
+            *y = match self.taps.iter().position(|tap| tap.open && tap.cell == to.cell) {
+                Some(place) if self.question.is_loop => -given(place),
+                Some(place) => given(place),
+                None => at(to.cell),
+            };
+        }
+    }
+}
+
+impl Function for Model<'_> {
+    fn evaluate(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), NoMatrices> {
+        if interrupt::is_requested() {
+            return Err(NoMatrices::Interrupted);
+        }
+        let n = self.map.states().len();
+        let (next, y) = out.split_at_mut(n);
+        // The signal that is changed is the first one.
+        self.change.fill(0.0);
+        self.change.iter_mut().zip(&z[n..]).for_each(|(change, input)| *change = *input);
+        self.map.evaluate(&z[..n], &self.change, next)?;
+        self.outputs(&|cell| self.map.signal(cell), &|tap| self.map.given(tap), y);
+        Ok(())
+    }
+
+    fn along(&mut self, direction: &[f64], doubts: bool, out: &mut [f64]) -> Origin {
+        let Some(slopes) = &self.slopes else { return Origin::Unknown };
+        let slopes = &slopes[usize::from(doubts)];
+        let n = self.map.states().len();
+        out.fill(0.0);
+        let mut y = vec![0.0; out.len() - n];
+        for (column, part) in direction.iter().enumerate().filter(|(_, part)| **part != 0.0) {
+            let next = slopes.next.column(column);
+            out.iter_mut().zip(next.iter()).for_each(|(out, slope)| *out += slope * part);
+            self.outputs(&|cell| slopes.signal(cell, column), &|tap| slopes.given(tap, column), &mut y);
+            out[n..].iter_mut().zip(&y).for_each(|(out, slope)| *out += slope * part);
+        }
+        if slopes.by_differences.is_empty() { Origin::Laws } else { Origin::Differences }
+    }
+
+    fn by_differences(&self) -> Vec<String> {
+        self.slopes.as_ref().map_or_else(Vec::new, |slopes| slopes[0].by_differences.clone())
+    }
 }
 
 /// Whoever has asked for an end gets no error of what was broken off.

@@ -4,6 +4,9 @@
 //! outputs of blocks that are not due there and hold. The function is evaluated by running the model over the period,
 //! with all hits in between, so that several rates and holds are what they are. Its slopes are the matrices of the loop in discrete time.
 
+mod course;
+mod slopes;
+
 use std::sync::Arc;
 
 use blocksim_block::schedule::{Clock, Instance, Schedule, Solver, Steady, VariableMethod, When};
@@ -13,6 +16,8 @@ use crate::diagnose::state_name;
 use crate::program::spread::written;
 use crate::stepping::clock::same;
 use crate::variation::taps::{Lever, with_levers};
+pub use slopes::PeriodSlopes;
+
 use crate::{Ended, Observer, SimError, Simulation, Snapshot, Tap, state_names};
 
 /// Relative tolerance of the run over a period.
@@ -256,25 +261,9 @@ impl PeriodMap {
     /// # Errors
     /// See [`SimError::code`]; `linearise` if something happens within the period, or modes are others at its end.
     pub fn evaluate(&mut self, states: &[f64], change: &[f64], next: &mut [f64]) -> Result<(), SimError> {
+        let mut witness = Witness { simulation: Arc::clone(&self.simulation.schedule), seen: None };
+        let mut jumped = self.begin(states, change, &mut witness)?;
         let simulation = &mut self.simulation;
-        simulation.restore(&self.start)?;
-        for (place, &value) in self.places.iter().zip(states) {
-            match *place {
-                Place::Continuous(x) => simulation.x[x] = value,
-                Place::Held(cell) => simulation.diagram.signals[cell] = value,
-                place => {
-                    let cell = cell(place, &simulation.diagram.d);
-                    simulation.diagram.d[cell] = value;
-                }
-            }
-        }
-        for (n, lever) in self.levers.iter().enumerate() {
-            let held = self.taps[n].open.then_some(self.held[n]);
-            lever.set(&mut simulation.diagram.signals, held, change[n]);
-        }
-        let mut witness = Witness { simulation: Arc::clone(&simulation.schedule), seen: None };
-        let mut jumped = simulation.repeat_instant(&mut witness)?;
-        self.signals.copy_from_slice(&simulation.diagram.signals);
         let end = self.period.end;
         let mut events = 0;
         loop {
@@ -302,6 +291,37 @@ impl PeriodMap {
         if let Some(mode) = self.after.as_ref().and_then(other) {
             return Err(self.eventful(Some(mode_name(&simulation.schedule, self.modes[mode]))));
         }
+        self.ends(next);
+        Ok(())
+    }
+
+    /// Goes to the beginning of the period, with other states and changes at the taps, and evaluates it. Returns whether anything jumps
+    /// there.
+    fn begin(&mut self, states: &[f64], change: &[f64], witness: &mut Witness) -> Result<bool, SimError> {
+        let simulation = &mut self.simulation;
+        simulation.restore(&self.start)?;
+        for (place, &value) in self.places.iter().zip(states) {
+            match *place {
+                Place::Continuous(x) => simulation.x[x] = value,
+                Place::Held(cell) => simulation.diagram.signals[cell] = value,
+                place => {
+                    let cell = cell(place, &simulation.diagram.d);
+                    simulation.diagram.d[cell] = value;
+                }
+            }
+        }
+        for (n, lever) in self.levers.iter().enumerate() {
+            let held = self.taps[n].open.then_some(self.held[n]);
+            lever.set(&mut simulation.diagram.signals, held, change[n]);
+        }
+        let jumped = simulation.repeat_instant(witness)?;
+        self.signals.copy_from_slice(&simulation.diagram.signals);
+        Ok(jumped)
+    }
+
+    /// The states where the simulation is.
+    fn ends(&self, next: &mut [f64]) {
+        let simulation = &self.simulation;
         for (next, place) in next.iter_mut().zip(&self.places) {
             *next = match *place {
                 Place::Continuous(x) => simulation.x[x],
@@ -309,7 +329,6 @@ impl PeriodMap {
                 place => simulation.diagram.d[cell(place, &simulation.diagram.d)],
             };
         }
-        Ok(())
     }
 
     fn eventful(&self, what: Option<String>) -> SimError {
