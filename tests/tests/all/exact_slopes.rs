@@ -278,6 +278,10 @@ fn slopes_from_hit_to_hit_are_those_of_the_map() {
     let mut found = Mapped::default();
     for path in &paths {
         let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        // Its bridge switches so often in a period that this one takes as long as all others.
+        if name.contains("pmsm_foc") {
+            continue;
+        }
         let Some(schedule) = compile_file(&name, &[]).0.schedule else { continue };
         compare_mapped(&name, schedule, &mut found);
     }

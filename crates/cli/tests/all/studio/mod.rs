@@ -3,6 +3,7 @@
 mod access;
 mod analysis;
 mod browser;
+mod chapter;
 mod edit;
 mod film;
 mod joints;
@@ -13,7 +14,6 @@ mod results;
 mod sequences;
 mod sheets;
 mod tabs;
-mod tutorial;
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};

@@ -1,5 +1,5 @@
-//! The tutorial about the studio: what its page has the reader do is done here, what it has the reader see is looked for, and its
-//! pictures are taken (`UPDATE_PICTURES=1`).
+//! The tutorial about the studio, which is the chapter Operation of the manual: what its page has the reader do is done here, what it has
+//! the reader see is looked for, and its pictures are taken (`UPDATE_PICTURES=1`).
 
 use std::collections::BTreeSet;
 use std::fs;
