@@ -42,6 +42,13 @@ impl Loaded {
         (!all.is_empty()).then(|| format!("set {}", all.join(", ")))
     }
 
+    /// What is wrong with it, in a sentence.
+    pub fn first_error(&self) -> String {
+        let problems = &self.compiled.problems;
+        let first = problems.iter().find(|problem| problem.severity == Severity::Error).or(problems.first());
+        first.map_or_else(|| "the model has errors".to_owned(), |problem| problem.message.clone())
+    }
+
     /// Takes what the engine runs, and tells the problems that do not stop it: notes in a line, since `check` explains them.
     ///
     /// # Errors

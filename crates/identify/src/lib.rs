@@ -1,10 +1,11 @@
-//! Parameters of robots from measurements: numbers in, estimates with their accuracy out.
+//! Parameters from measurements: numbers in, estimates with their accuracy out.
 //!
 //! | question | function |
 //! |---|---|
 //! | linear and nonlinear least squares with standard errors | [`least_squares`], [`nonlinear_least_squares`] |
 //! | Coulomb and viscous friction from two or many speeds | [`two_point`], [`line()`] |
 //! | breakaway, Coulomb and viscous friction through gear and motor | [`curve`] |
+//! | unknowns of a model of which each look costs a run | [`fit()`] |
 //! | which combinations of masses and inertias decide the torques | [`BaseParameters`] |
 //! | a motion that shows them well | [`excitation`] |
 //! | their values from torques along a motion | [`identify`], [`prediction_error`] |
@@ -18,6 +19,7 @@ mod drive;
 mod dynamics;
 mod error;
 mod excitation;
+mod fit;
 mod friction;
 mod least_squares;
 mod random;
@@ -30,6 +32,7 @@ pub use drive::{DriveFit, DriveSample, drive};
 pub use dynamics::{Identified, Sample, identify, prediction_error};
 pub use error::IdentifyError;
 pub use excitation::{Excitation, Fourier, JointRange, excitation};
+pub use fit::{Fitted, Model, Stopped, correlations, fit};
 pub use friction::{Curve, CurveFit, Line, Point, Train, TwoPoint, curve, line, two_point};
 pub use least_squares::{Estimate, Fit, least_squares, nonlinear_least_squares};
 pub use random::Random;

@@ -45,7 +45,9 @@ pub use tuning::untunable;
 pub use variation::chain::Origin;
 pub use variation::frozen::{Frozen, Tap};
 pub use variation::period::{Period, PeriodMap, PeriodSlopes};
-pub use variation::sensitivity::{DISTANCES, Sensitivity, sensitivity};
+pub use variation::sensitivity::{
+    Course, DISTANCES, Sensitivity, course, sensitivity, sensitivity_on, tangent_on,
+};
 pub use verify::{Difference, Verification, verify};
 
 pub use blocksim_solve::Share;

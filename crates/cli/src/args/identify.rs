@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use blocksim_signal::{Unit, evaluate};
 use clap::{Args, Subcommand};
 
-use super::model::PluginArgs;
+use super::model::{ModelArgs, PluginArgs, SolverArgs};
 use super::values::{NoNames, assignment};
 
 /// The verbs of `blocksim identify`.
@@ -15,14 +15,17 @@ pub enum IdentifyCommand {
     Friction(FrictionArgs),
     /// Measure masses and inertias by an exciting motion: the base parameters, compared with the model.
     Dynamics(DynamicsArgs),
+    /// Find parameters of any model with which its runs come closest to a measurement.
+    Parameters(ParametersArgs),
 }
 
 impl IdentifyCommand {
-    /// What all experiments need.
-    pub fn common(&self) -> &Common {
+    /// Whether the result is data.
+    pub fn json(&self) -> bool {
         match self {
-            IdentifyCommand::Friction(args) => &args.common,
-            IdentifyCommand::Dynamics(args) => &args.common,
+            IdentifyCommand::Friction(args) => args.common.json,
+            IdentifyCommand::Dynamics(args) => args.common.json,
+            IdentifyCommand::Parameters(args) => args.json,
         }
     }
 }
@@ -132,6 +135,39 @@ pub struct DynamicsArgs {
     /// Harmonics of the motion, from 2.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = harmonics)]
     pub harmonics: usize,
+}
+
+/// `blocksim identify parameters`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  blocksim identify parameters motor.ron --from measured.csv --of motor.k,motor.j\n  \
+                  blocksim identify parameters motor.ron --from measured.csv --map 'rpm=speed.w[rpm]' --of motor.j --set motor.j=\"1e-4 kg*m^2\"\n  \
+                  blocksim identify parameters motor.ron --from runs/other --of motor.k --signals 'current.*'"
+)]
+pub struct ParametersArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// The measurement: a CSV file whose columns are called as recorded signals, a run (its folder, `latest`), or a file that the page
+    /// Results of the studio has made. Its times are those of the model.
+    #[arg(long, value_name = "FILE|RUN")]
+    pub from: String,
+    /// What a column is: `COLUMN=SIGNAL[UNIT]`, or a file with a line for each; may be repeated.
+    #[arg(long = "map", value_name = "MAPPING")]
+    pub map: Vec<String>,
+    /// The parameters to find, named as for `--set`, separated by commas. The search begins at the values that they have.
+    #[arg(long, value_name = "TARGET", value_delimiter = ',', required = true)]
+    pub of: Vec<String>,
+    /// The signals to compare, of those that are measured: parts of their paths or patterns with `*`, separated by commas.
+    #[arg(long, value_name = "PATTERN", value_delimiter = ',')]
+    pub signals: Vec<String>,
+    #[command(flatten)]
+    pub solver: SolverArgs,
+    /// Most steps to better values.
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    pub steps: usize,
+    /// Print the result as JSON, an object a line.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// A share from 0 to 1.

@@ -156,7 +156,7 @@ impl Args {
             Some(Command::Blocks(args)) => args.json,
             Some(Command::Doctor(args)) => args.json,
             Some(Command::Trust(args)) => args.json,
-            Some(Command::Identify(command)) => command.common().json,
+            Some(Command::Identify(command)) => command.json(),
             Some(Command::Plan(command)) => command.common().json,
             Some(Command::Plugin(command)) => command.json(),
             Some(Command::Params(command)) => command.json(),

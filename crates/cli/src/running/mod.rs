@@ -18,3 +18,4 @@ pub mod solver;
 pub mod start;
 mod summary;
 pub mod tuning;
+pub mod varied;

@@ -17,6 +17,7 @@ mod grade;
 mod held_signals;
 mod help;
 mod identify;
+mod identify_parameters;
 mod import;
 mod layers;
 mod licences;

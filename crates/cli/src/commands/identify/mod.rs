@@ -1,4 +1,5 @@
-//! `blocksim identify`: experiments with the robot of a diagram, and what they tell of its parameters.
+//! `blocksim identify`: experiments with the robot of a diagram, and what they tell of its parameters; parameters of any model from a
+//! measurement.
 
 mod axis_friction;
 mod bench;
@@ -14,6 +15,8 @@ mod friction_recorded;
 mod friction_report;
 mod look_into;
 mod out;
+mod parameters;
+mod parameters_report;
 mod pose;
 mod recorded;
 
@@ -29,7 +32,7 @@ use crate::loaded::load;
 use crate::terminal::console::Console;
 use crate::trust::Purpose;
 
-/// Runs experiments with the robot of a diagram.
+/// Runs experiments with the robot of a diagram, or a model again and again.
 ///
 /// # Errors
 /// Why nothing could be identified.
@@ -43,6 +46,7 @@ pub fn identify(command: &IdentifyCommand, console: Console) -> Outcome {
             Some(from) => dynamics_recorded::dynamics(args, from, console),
             None => dynamics::dynamics(args, console),
         },
+        IdentifyCommand::Parameters(args) => parameters::parameters(args, console),
     }
 }
 

@@ -9,7 +9,7 @@ mod table;
 
 use std::io;
 
-use blocksim_block::problem::{Problem, Severity};
+use blocksim_block::problem::Problem;
 use serde_json::json;
 
 use self::combinations::Combinations;
@@ -20,7 +20,7 @@ use crate::commands::tell;
 use crate::disk::{free, write_file};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
-use crate::loaded::{Loaded, load};
+use crate::loaded::load;
 use crate::running::{interrupt, parallel};
 use crate::terminal::console::Console;
 use crate::terminal::render::plural;
@@ -148,18 +148,11 @@ fn one<'a>(
     let outcome = match load(&model, Purpose::Run) {
         Ok(mut loaded) => match loaded.compiled.schedule.take() {
             Some(schedule) => measure(&loaded, schedule, args, &model, place, &mut warnings, console),
-            None => Err(Lost::Simulation(refused(&loaded))),
+            None => Err(Lost::Simulation(loaded.first_error())),
         },
         Err(failure) => Err(Lost::Simulation(failure.message())),
     };
     (Row { values, outcome }, warnings)
-}
-
-/// The first error of a model.
-fn refused(loaded: &Loaded) -> String {
-    let problems = &loaded.compiled.problems;
-    let first = problems.iter().find(|problem| problem.severity == Severity::Error).or(problems.first());
-    first.map_or_else(|| "the model has errors".to_owned(), |problem| problem.message.clone())
 }
 
 /// The model with these values.

@@ -1,33 +1,28 @@
 //! `blocksim sweep --sensitivity`: derivatives of recorded signals by parameters, over time.
 
 use blocksim_block::schedule::{Recorded, Schedule};
-use blocksim_diagram::{Found, Sources, Target, WrittenUnit, find, targets};
 use blocksim_numbers::format::significant;
 use blocksim_picture::{Figure, Line, Panel, Style, svg};
-use blocksim_signal::{Dimension, Kind, Unit};
-use blocksim_sim::{Control, DISTANCES, Sensitivity, SimError};
+use blocksim_signal::{Kind, Unit};
+use blocksim_sim::{Control, Sensitivity, SimError};
 use blocksim_terminal::{Align, PlotOptions, Series, Table, plot};
 use serde_json::{Value, json};
 
-use super::refused;
-use crate::args::model::ModelArgs;
-use crate::args::sweep::{SweepArgs, number};
-use crate::commands::params::table::unknown;
-use crate::disk::{Disk, free, readable, write_file};
+use crate::args::sweep::SweepArgs;
+use crate::disk::{free, write_file};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
-use crate::loaded::{Loaded, load};
+use crate::loaded::load;
 use crate::picture_file::write_pictures;
 use crate::running::blame::failure;
-use crate::running::{interrupt, solver};
+use crate::running::interrupt;
+use crate::running::varied::{Parameter, parameter, variants};
 use crate::signals::display::display_unit;
 use crate::signals::naming::fits;
 use crate::terminal::console::Console;
 use crate::terminal::format::digits;
 use crate::trust::Purpose;
 
-/// Distance over which a parameter is varied, as a part of it, or in its SI unit where it is zero.
-const DISTANCE: f64 = 1e-3;
 /// Part of a value above which its error leaves nothing of it.
 const NOISE: f64 = 0.3;
 /// Most plots in the terminal.
@@ -36,17 +31,6 @@ const FEW: usize = 4;
 const WIDTH: f64 = 900.0;
 /// Dots of a picture for one of the drawing.
 const SCALE: f64 = 2.0;
-
-/// A parameter and its value.
-struct Parameter {
-    name: String,
-    unit: Unit,
-    /// Whether its values are written with the unit.
-    says_unit: bool,
-    /// In SI.
-    value: f64,
-    distance: f64,
-}
 
 /// What was found for one parameter.
 struct Derivatives {
@@ -83,7 +67,7 @@ pub fn sensitivity(args: &SweepArgs, console: Console) -> Outcome {
         if console.live && !args.json {
             console.rewrite(&format!("  {name}"));
         }
-        let variants = variants(args, &parameter)?;
+        let variants = variants(&args.model, &args.solver, &parameter)?;
         let wrong = |error: &SimError| {
             Failure::of(Exit::Failed, vec![failure(error, &variants[2])], first.files.clone())
         };
@@ -150,113 +134,10 @@ fn chosen(recorded: &[Recorded], patterns: &[String]) -> Result<Vec<Shown>, Fail
     }
 }
 
-/// A parameter by its name, with the value that it has in the model or that the command line gives it.
-fn parameter(model: &ModelArgs, name: &str) -> Result<Parameter, Failure> {
-    readable(&model.model)?;
-    let disk = Disk::default();
-    let sources = Sources::new(&disk);
-    let (all, _) = targets(&sources, &model.model);
-    let target: &Target = match find(&all, name) {
-        Found::One(target) => target,
-        Found::Several(several) => {
-            let some: Vec<&str> = several.iter().take(5).map(|target| target.name.as_str()).collect();
-            let said = format!("`{name}` holds several parameters");
-            return Err(Failure::usage(said).help(format!("name one, such as {}", some.join(", "))));
-        }
-        Found::Nothing(help) => return Err(unknown(&model.model, name, &help)),
-    };
-    let no_number = |what: &str| {
-        Failure::usage(format!("`{name}` is {what}, and there is no derivative by that"))
-            .help("name a parameter that is a number; `blocksim params list MODEL` lists all")
-    };
-    let bare = match &target.written_unit {
-        WrittenUnit::One(unit) => Some(unit.clone()),
-        _ => None,
-    };
-    let given =
-        model.set.iter().rev().find_map(|set| set.split_once('=').filter(|(known, _)| known.trim() == name));
-    let (value, unit, says_unit) = match given {
-        Some((_, text)) => {
-            let text = text.trim().trim_matches('"');
-            let (value, unit) = number(text).map_err(|_| no_number(&format!("`{text}`")))?;
-            let unit = if unit.is_empty() { None } else { Unit::parse(unit).ok() };
-            match unit.or(bare) {
-                Some(unit) => (unit.to_si(value), unit, true),
-                None => (value, Unit::si(Dimension::NONE), false),
-            }
-        }
-        None => {
-            let quantity = target.value.as_ref().and_then(|value| value.as_number());
-            let quantity = quantity.ok_or_else(|| no_number(&format!("`{}`", target.written)))?;
-            match (bare, &target.written_unit) {
-                (Some(unit), _) => (quantity.value, unit, true),
-                (None, WrittenUnit::Si) => (quantity.value, Unit::si(Dimension::NONE), false),
-                _ => (quantity.value, Unit::si(quantity.dimension), true),
-            }
-        }
-    };
-    if !value.is_finite() {
-        return Err(no_number("not finite"));
-    }
-    let distance = if value == 0.0 { DISTANCE } else { DISTANCE * value.abs() };
-    Ok(Parameter { name: name.to_owned(), unit, says_unit, value, distance })
-}
-
-impl Parameter {
-    /// As `--set` takes it.
-    fn written(&self, value: f64) -> String {
-        match self.says_unit && self.unit.to_string() != "1" {
-            true => format!("{}={} {}", self.name, self.unit.from_si(value), self.unit),
-            false => format!("{}={}", self.name, self.unit.from_si(value)),
-        }
-    }
-
-    /// Its SI unit in one of its own.
-    fn scale(&self) -> f64 {
-        self.unit.to_si(1.0) - self.unit.to_si(0.0)
-    }
-
-    /// The unit of a derivative: `V/rad`.
-    fn per(&self, unit: &Unit) -> String {
-        let (unit, own) = (unit.to_string(), self.unit.to_string());
-        match (unit.as_str(), own.strip_prefix("1/")) {
-            (unit, _) if own == "1" => unit.to_owned(),
-            ("1", Some(own)) => own.to_owned(),
-            (unit, Some(own)) => format!("{unit}*{own}"),
-            (unit, None) if own.contains(['/', '*']) => format!("{unit}/({own})"),
-            (unit, None) => format!("{unit}/{own}"),
-        }
-    }
-}
-
 impl Shown {
     fn scale(&self) -> f64 {
         self.unit.from_si(1.0) - self.unit.from_si(0.0)
     }
-}
-
-/// The model with the values of the parameter around its own.
-fn variants(args: &SweepArgs, parameter: &Parameter) -> Result<[Schedule; 5], Failure> {
-    let one = |part: f64| -> Result<Schedule, Failure> {
-        // The value itself may be an expression, which stays.
-        let set = (part != 0.0).then(|| parameter.written(parameter.value + part * parameter.distance));
-        let model = ModelArgs {
-            model: args.model.model.clone(),
-            set: args.model.set.iter().cloned().chain(set).collect(),
-            plugins: args.model.plugins,
-        };
-        let mut loaded: Loaded = load(&model, Purpose::Run)?;
-        let Some(mut schedule) = loaded.compiled.schedule.take() else {
-            let value = parameter.written(parameter.value + part * parameter.distance);
-            let said = format!("the model cannot be run with {value}: {}", refused(&loaded));
-            return Err(Failure::usage(said)
-                .help("a derivative needs values on both sides: choose another value with --set"));
-        };
-        solver::apply(&args.solver, &mut schedule.settings)?;
-        Ok(schedule)
-    };
-    let [a, b, c, d, e] = DISTANCES.map(one);
-    Ok([a?, b?, c?, d?, e?])
 }
 
 /// The largest magnitude of numbers and where it is.

@@ -54,6 +54,22 @@ pub fn sensitivity(
     distance: f64,
     go_on: &mut dyn FnMut() -> Control,
 ) -> Result<Option<Sensitivity>, SimError> {
+    sensitivity_on(variants, distance, INTERVALS, go_on)
+}
+
+/// The same at the ends of so many equal intervals of the run.
+///
+/// # Errors
+/// As [`sensitivity`].
+///
+/// # Panics
+/// As [`sensitivity`].
+pub fn sensitivity_on(
+    variants: &[Schedule; 5],
+    distance: f64,
+    intervals: usize,
+    go_on: &mut dyn FnMut() -> Control,
+) -> Result<Option<Sensitivity>, SimError> {
     assert!(distance > 0.0, "the values of a parameter are apart");
     let own = &variants[2];
     let paths = |schedule: &Schedule| schedule.recorded.iter().map(|r| r.path.clone()).collect::<Vec<_>>();
@@ -64,7 +80,7 @@ pub fn sensitivity(
     }
     let mut runs = Vec::with_capacity(4);
     for number in [0, 1, 3, 4] {
-        match on_grid(&variants[number], TIGHTER, go_on)? {
+        match on_grid(&variants[number], intervals, go_on)? {
             Some(rows) => runs.push(rows),
             None => return Ok(None),
         }
@@ -79,12 +95,11 @@ pub fn sensitivity(
             (values[signal][at], errors[signal][at]) = (value, error);
         }
     }
-    let spacing = stop(own) / INTERVALS as f64;
-    let times = (0..length).map(|at| (at as f64 * spacing).min(stop(own))).collect();
+    let times = times(stop(own), intervals, length);
     let differences = Sensitivity { times, values, errors, by_differences: None };
     let because = match tangent::with_tangent(variants, distance) {
         Err(reason) => reason,
-        Ok((tangent, cells)) => match on_grid(&tangent, TIGHTER, go_on) {
+        Ok((tangent, cells)) => match on_grid(&tangent, intervals, go_on) {
             Ok(None) => return Ok(None),
             Ok(Some(rows)) => match taken(&differences, &rows, &cells, own) {
                 Ok(found) => return Ok(Some(found)),
@@ -97,6 +112,54 @@ pub fn sensitivity(
         },
     };
     Ok(Some(Sensitivity { by_differences: Some(because), ..differences }))
+}
+
+/// Derivatives by the tangent alone, in one run: values that nothing stands against, for a parameter close to one for which
+/// [`sensitivity_on`] has found that the tangent is right. Each signal's at all times; nothing if `go_on` says no.
+///
+/// # Errors
+/// What ends the run, or why there is no tangent.
+pub fn tangent_on(
+    variants: &[Schedule; 5],
+    distance: f64,
+    intervals: usize,
+    go_on: &mut dyn FnMut() -> Control,
+) -> Result<Option<Vec<Vec<f64>>>, SimError> {
+    let (tangent, cells) =
+        tangent::with_tangent(variants, distance).map_err(|reason| SimError::new("settings", 0.0, reason))?;
+    let Some(rows) = on_grid(&tangent, intervals, go_on)? else { return Ok(None) };
+    let column = |cell: &Option<usize>| rows.iter().map(|row| cell.map_or(0.0, |cell| row[cell])).collect();
+    Ok(Some(cells.iter().map(column).collect()))
+}
+
+/// What a model records, as exactly as its derivatives are taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
+    /// Times, s: the ends of equal intervals.
+    pub times: Vec<f64>,
+    /// Each recorded signal at these times, in SI.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// Runs a model and keeps what it records at the ends of so many intervals; nothing if `go_on` says no.
+///
+/// # Errors
+/// What ends the run.
+pub fn course(
+    schedule: &Schedule,
+    intervals: usize,
+    go_on: &mut dyn FnMut() -> Control,
+) -> Result<Option<Course>, SimError> {
+    let Some(rows) = on_grid(schedule, intervals, go_on)? else { return Ok(None) };
+    let column = |signal: usize| rows.iter().map(|row| row[signal]).collect();
+    let times = times(schedule.settings.stop_time, intervals, rows.len());
+    Ok(Some(Course { times, values: (0..schedule.recorded.len()).map(column).collect() }))
+}
+
+/// The times of a grid.
+fn times(stop: f64, intervals: usize, length: usize) -> Vec<f64> {
+    let spacing = stop / intervals as f64;
+    (0..length).map(|at| (at as f64 * spacing).min(stop)).collect()
 }
 
 /// The derivative from values at -1, -1/2, 1/2 and 1 of a distance, and how far it may be off.
@@ -141,21 +204,21 @@ fn taken(
 /// Runs a model and keeps the recorded signals on the grid; nothing if `go_on` says no.
 fn on_grid(
     schedule: &Schedule,
-    tighter: f64,
+    intervals: usize,
     go_on: &mut dyn FnMut() -> Control,
 ) -> Result<Option<Vec<Vec<f64>>>, SimError> {
     let mut schedule = schedule.clone();
     if let Solver::Variable { rtol, atol, .. } = &mut schedule.settings.solver {
         let before = *rtol;
-        *rtol = (before * tighter).clamp(TIGHTEST, AT_MOST);
+        *rtol = (before * TIGHTER).clamp(TIGHTEST, AT_MOST);
         let part = *rtol / before;
         atol.iter_mut().for_each(|atol| *atol *= part);
         schedule.settings.atol.iter_mut().for_each(|tolerance| tolerance.value *= part);
     }
     let stop = schedule.settings.stop_time;
-    let spacing = stop / INTERVALS as f64;
+    let spacing = stop / intervals as f64;
     schedule.settings.output = OutputTimes::Every(spacing);
-    let mut samples = Samples { spacing, stop, rows: Vec::new(), go_on };
+    let mut samples = Samples { spacing, intervals, stop, rows: Vec::new(), go_on };
     let mut simulation = Simulation::new(Arc::new(schedule))?;
     let ended = simulation.run(&mut samples)?;
     Ok((ended != Ended::Interrupted).then_some(samples.rows))
@@ -164,6 +227,7 @@ fn on_grid(
 /// Keeps the rows of a grid; of two at one time the later one.
 struct Samples<'a> {
     spacing: f64,
+    intervals: usize,
     stop: f64,
     rows: Vec<Vec<f64>>,
     go_on: &'a mut dyn FnMut() -> Control,
@@ -171,7 +235,7 @@ struct Samples<'a> {
 
 impl Observer for Samples<'_> {
     fn row(&mut self, t: f64, values: &[f64]) {
-        let at = if t >= self.stop { INTERVALS as f64 } else { (t / self.spacing).round() };
+        let at = if t >= self.stop { self.intervals as f64 } else { (t / self.spacing).round() };
         if t >= self.stop || (t - at * self.spacing).abs() <= 1e-9 * self.spacing {
             self.rows.truncate(at as usize);
             self.rows.resize(at as usize, values.to_vec());

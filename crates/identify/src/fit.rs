@@ -1,0 +1,267 @@
+//! Unknowns of a model that costs a run for each look at it, by least squares.
+
+use nalgebra::DMatrix;
+
+use crate::error::IdentifyError;
+use crate::least_squares::{Fit, finite, least_squares};
+
+/// A model whose values may not exist everywhere.
+pub trait Model {
+    /// What stops a fit.
+    type Error;
+
+    /// The values for these unknowns; nothing where there are none, so that no better ones are looked for beyond.
+    ///
+    /// # Errors
+    /// What stops the fit.
+    fn values(&mut self, x: &[f64]) -> Result<Option<Vec<f64>>, Self::Error>;
+
+    /// The derivatives of the values by the unknowns, a row for each value.
+    ///
+    /// # Errors
+    /// What stops the fit.
+    fn slopes(&mut self, x: &[f64]) -> Result<DMatrix<f64>, Self::Error>;
+}
+
+/// Why a fit was stopped.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Stopped<E> {
+    /// By the model.
+    Model(E),
+    /// By the numbers.
+    Numbers(IdentifyError),
+    /// There are no values for the unknowns at the start.
+    NoStart,
+}
+
+/// What a fit of a model found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// The unknowns with their accuracy.
+    pub fit: Fit,
+    /// The values of the model for them.
+    pub values: Vec<f64>,
+    /// The values for the unknowns at the start.
+    pub before: Vec<f64>,
+    /// Steps to better unknowns.
+    pub steps: usize,
+    /// Whether the search ended where there are no values beyond, so that these unknowns need not be the best.
+    pub at_edge: bool,
+    /// Correlation of the estimates of two unknowns, for each pair.
+    pub correlations: DMatrix<f64>,
+}
+
+/// Relative change of the unknowns at which a fit has settled, and the part of the sum of squares that is still to be had then.
+const SETTLED: f64 = 1e-9;
+const NOTHING_TO_GAIN: f64 = 1e-14;
+/// Damping behind which no better unknowns are looked for.
+const MOST_DAMPING: f64 = 1e12;
+
+/// The unknowns for which the sum of squares of `weights * (values - model)` is least, from a start, by the method of Levenberg and
+/// Marquardt. A step to where the model has no values is taken back, as one to worse values.
+///
+/// Source: as of [`nonlinear_least_squares`](crate::nonlinear_least_squares).
+///
+/// # Errors
+/// See [`Stopped`]; [`IdentifyError::NotSettled`] after `most` steps, [`IdentifyError::Dependent`] where unknowns cannot be told apart.
+pub fn fit<M: Model>(
+    values: &[f64],
+    weights: &[f64],
+    start: &[f64],
+    most: usize,
+    model: &mut M,
+) -> Result<Fitted, Stopped<M::Error>> {
+    let (rows, unknowns) = (values.len(), start.len());
+    if rows < unknowns || unknowns == 0 {
+        return Err(Stopped::Numbers(IdentifyError::TooFew { values: rows, unknowns }));
+    }
+    finite("value", values).map_err(Stopped::Numbers)?;
+    let rest = |y: &[f64]| -> Vec<f64> {
+        values.iter().zip(y).zip(weights).map(|((value, y), weight)| weight * (value - y)).collect()
+    };
+    let squares = |rest: &[f64]| rest.iter().map(|x| x * x).sum::<f64>();
+    let mut x = start.to_vec();
+    let before = model.values(&x).map_err(Stopped::Model)?.ok_or(Stopped::NoStart)?;
+    finite("value", &before).map_err(Stopped::Numbers)?;
+    let mut y = before.clone();
+    let (mut damping, mut growth) = (1e-3, 2.0);
+    let mut steps = 0;
+    let mut at_edge;
+    let slopes = loop {
+        let slopes = model.slopes(&x).map_err(Stopped::Model)?;
+        let misfit = rest(&y);
+        let mut weighted = slopes.clone();
+        weighted.row_iter_mut().zip(weights).for_each(|(mut row, weight)| row *= *weight);
+        let gradient = weighted.tr_mul(&nalgebra::DVector::from_column_slice(&misfit));
+        let normal = weighted.tr_mul(&weighted);
+        let (mut is_better, mut is_settled) = (false, false);
+        at_edge = false;
+        while !is_better && !is_settled {
+            let mut damped = normal.clone();
+            for j in 0..unknowns {
+                damped[(j, j)] += damping * normal[(j, j)].max(f64::MIN_POSITIVE);
+            }
+            let change = damped.cholesky().map(|factor| factor.solve(&gradient));
+            let tried = match &change {
+                Some(change) => {
+                    let next: Vec<f64> = x.iter().zip(change.iter()).map(|(x, change)| x + change).collect();
+                    let next_y = model.values(&next).map_err(Stopped::Model)?;
+                    at_edge |= next_y.is_none();
+                    next_y.filter(|y| y.iter().all(|y| y.is_finite())).map(|y| (next, y, change))
+                }
+                None => None,
+            };
+            let now = squares(&misfit);
+            match tried.map(|(next, next_y, change)| (squares(&rest(&next_y)), next, next_y, change)) {
+                Some((after, next, next_y, change)) if after < now => {
+                    let expected: f64 = (0..unknowns)
+                        .map(|j| change[j] * (damping * normal[(j, j)] * change[j] + gradient[j]))
+                        .sum();
+                    let is_small =
+                        x.iter().zip(change.iter()).all(|(x, change)| change.abs() <= SETTLED * x.abs());
+                    is_settled = is_small || now - after <= NOTHING_TO_GAIN * now;
+                    let gain = (now - after) / expected.max(f64::MIN_POSITIVE);
+                    damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+                    (x, y, growth, is_better) = (next, next_y, 2.0, true);
+                    steps += 1;
+                }
+                _ => {
+                    let is_small = change.is_some_and(|change| {
+                        x.iter().zip(change.iter()).all(|(x, change)| change.abs() <= SETTLED * x.abs())
+                    });
+                    is_settled = is_small || damping > MOST_DAMPING;
+                    (damping, growth) = (damping * growth, 2.0 * growth);
+                }
+            }
+        }
+        if is_settled {
+            break if is_better { model.slopes(&x).map_err(Stopped::Model)? } else { slopes };
+        }
+        if steps >= most {
+            return Err(Stopped::Numbers(IdentifyError::NotSettled { steps: most }));
+        }
+    };
+    let left: Vec<f64> = values.iter().zip(&y).map(|(value, y)| value - y).collect();
+    // The linear fit of what is left gives the accuracy; its values are the change of one more step.
+    let mut fit = least_squares(&slopes, &left, weights).map_err(Stopped::Numbers)?;
+    fit.estimates.iter_mut().zip(&x).for_each(|(estimate, x)| estimate.value = *x);
+    let correlations = correlations(&slopes, weights);
+    Ok(Fitted { fit, values: y, before, steps, at_edge, correlations })
+}
+
+/// Correlation of the estimates of each pair of unknowns, from the slopes of the values by them; NaN where they cannot be told apart.
+pub fn correlations(slopes: &DMatrix<f64>, weights: &[f64]) -> DMatrix<f64> {
+    let mut weighted = slopes.clone();
+    weighted.row_iter_mut().zip(weights).for_each(|(mut row, weight)| row *= *weight);
+    for mut column in weighted.column_iter_mut() {
+        let length = column.norm();
+        column /= length;
+    }
+    let unknowns = slopes.ncols();
+    match weighted.tr_mul(&weighted).try_inverse() {
+        Some(inverse) => DMatrix::from_fn(unknowns, unknowns, |i, j| {
+            inverse[(i, j)] / (inverse[(i, i)] * inverse[(j, j)]).sqrt()
+        }),
+        None => DMatrix::from_element(unknowns, unknowns, f64::NAN),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `a exp(-b t)` at 20 times; there are no values for negative `b`.
+    #[derive(Default)]
+    struct Decay {
+        looks: usize,
+        refusals: usize,
+    }
+
+    const TIMES: usize = 20;
+
+    fn time(k: usize) -> f64 {
+        0.1 * k as f64
+    }
+
+    impl Model for Decay {
+        type Error = ();
+
+        fn values(&mut self, x: &[f64]) -> Result<Option<Vec<f64>>, ()> {
+            self.looks += 1;
+            self.refusals += usize::from(x[1] < 0.0);
+            Ok((x[1] >= 0.0).then(|| (0..TIMES).map(|k| x[0] * (-x[1] * time(k)).exp()).collect()))
+        }
+
+        fn slopes(&mut self, x: &[f64]) -> Result<DMatrix<f64>, ()> {
+            Ok(DMatrix::from_fn(TIMES, 2, |k, j| {
+                let e = (-x[1] * time(k)).exp();
+                if j == 0 { e } else { -x[0] * time(k) * e }
+            }))
+        }
+    }
+
+    fn wanted(noise: f64) -> Vec<f64> {
+        (0..TIMES).map(|k| 3.0 * (-0.7 * time(k)).exp() + noise * (7.0 * k as f64).sin()).collect()
+    }
+
+    #[test]
+    fn a_decay_is_found_again_from_far_away() {
+        let mut model = Decay::default();
+        let found = fit(&wanted(0.0), &[1.0; TIMES], &[1.0, 3.0], 50, &mut model).expect("a fit");
+        for (estimate, x) in found.fit.estimates.iter().zip([3.0, 0.7]) {
+            assert!((estimate.value - x).abs() < 1e-9, "{estimate:?}");
+        }
+        assert!(found.fit.residual < 1e-9 && model.looks < 60, "{} looks", model.looks);
+        assert!(!found.at_edge);
+    }
+
+    #[test]
+    fn what_is_not_explained_gives_the_intervals() {
+        let found = fit(&wanted(0.05), &[1.0; TIMES], &[1.0, 1.0], 50, &mut Decay::default()).expect("a fit");
+        for (estimate, x) in found.fit.estimates.iter().zip([3.0, 0.7]) {
+            assert!(
+                estimate.holds(x) && estimate.interval < 0.1 * x && estimate.interval > 0.0,
+                "{estimate:?}"
+            );
+        }
+        let correlation = found.correlations[(0, 1)];
+        assert!(correlation > 0.3 && correlation < 0.99, "{correlation}");
+    }
+
+    #[test]
+    fn steps_to_where_there_are_no_values_are_taken_back() {
+        // The best decay rate of what grows would be negative.
+        let growing: Vec<f64> = (0..TIMES).map(|k| time(k).exp()).collect();
+        let mut model = Decay::default();
+        let found = fit(&growing, &[1.0; TIMES], &[1.0, 1.0], 200, &mut model).expect("a fit");
+        assert!(model.refusals > 0 && found.at_edge);
+        assert!(
+            found.fit.estimates[1].value >= 0.0 && found.fit.estimates[1].value < 1e-3,
+            "{:?}",
+            found.fit
+        );
+        assert_eq!(fit(&growing, &[1.0; TIMES], &[1.0, -1.0], 9, &mut model), Err(Stopped::NoStart));
+    }
+
+    /// Two unknowns of which only the product is seen.
+    struct Product;
+
+    impl Model for Product {
+        type Error = ();
+
+        fn values(&mut self, x: &[f64]) -> Result<Option<Vec<f64>>, ()> {
+            Ok(Some((0..5).map(|k| x[0] * x[1] * k as f64).collect()))
+        }
+
+        fn slopes(&mut self, x: &[f64]) -> Result<DMatrix<f64>, ()> {
+            Ok(DMatrix::from_fn(5, 2, |k, j| x[1 - j] * k as f64))
+        }
+    }
+
+    #[test]
+    fn unknowns_that_cannot_be_told_apart_are_refused() {
+        let values: Vec<f64> = (0..5).map(|k| 6.0 * k as f64).collect();
+        let found = fit(&values, &[1.0; 5], &[1.0, 1.0], 50, &mut Product);
+        assert!(matches!(found, Err(Stopped::Numbers(IdentifyError::Dependent { .. }))), "{found:?}");
+    }
+}
