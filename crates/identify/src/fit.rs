@@ -47,6 +47,8 @@ pub struct Fitted {
     pub steps: usize,
     /// Whether the search ended where there are no values beyond, so that these unknowns need not be the best.
     pub at_edge: bool,
+    /// Whether the slopes promise a better fit than was found, as where the model jumps.
+    pub stalled: bool,
     /// Correlation of the estimates of two unknowns, for each pair.
     pub correlations: DMatrix<f64>,
 }
@@ -54,6 +56,9 @@ pub struct Fitted {
 /// Relative change of the unknowns at which a fit has settled, and the part of the sum of squares that is still to be had then.
 const SETTLED: f64 = 1e-9;
 const NOTHING_TO_GAIN: f64 = 1e-14;
+/// The part of the sum of squares that slopes may promise at the end, and that of the squares of all values which is rounding.
+const PROMISED: f64 = 1e-3;
+const ROUNDING: f64 = 1e-12;
 /// Damping behind which no better unknowns are looked for.
 const MOST_DAMPING: f64 = 1e12;
 
@@ -145,8 +150,12 @@ pub fn fit<M: Model>(
     // The linear fit of what is left gives the accuracy; its values are the change of one more step.
     let mut fit = least_squares(&slopes, &left, weights).map_err(Stopped::Numbers)?;
     fit.estimates.iter_mut().zip(&x).for_each(|(estimate, x)| estimate.value = *x);
+    let (now, promised) = (squares(&rest(&y)), fit.residual.powi(2) * fit.freedom as f64);
+    // What is left of an exact fit is rounding, of which slopes may promise anything.
+    let is_rounding = now <= ROUNDING * squares(&rest(&vec![0.0; rows]));
+    let stalled = !at_edge && !is_rounding && fit.freedom > 0 && now - promised > PROMISED * now;
     let correlations = correlations(&slopes, weights);
-    Ok(Fitted { fit, values: y, before, steps, at_edge, correlations })
+    Ok(Fitted { fit, values: y, before, steps, at_edge, stalled, correlations })
 }
 
 /// Correlation of the estimates of each pair of unknowns, from the slopes of the values by them; NaN where they cannot be told apart.
@@ -241,6 +250,30 @@ mod tests {
             found.fit
         );
         assert_eq!(fit(&growing, &[1.0; TIMES], &[1.0, -1.0], 9, &mut model), Err(Stopped::NoStart));
+    }
+
+    /// A line with wrong slopes, by which no step gets better.
+    struct Misled;
+
+    impl Model for Misled {
+        type Error = ();
+
+        fn values(&mut self, x: &[f64]) -> Result<Option<Vec<f64>>, ()> {
+            Ok(Some((0..5).map(|k| x[0] * k as f64).collect()))
+        }
+
+        fn slopes(&mut self, _: &[f64]) -> Result<DMatrix<f64>, ()> {
+            Ok(DMatrix::from_fn(5, 1, |k, _| -(k as f64)))
+        }
+    }
+
+    #[test]
+    fn slopes_that_promise_what_no_step_keeps_are_seen() {
+        let values: Vec<f64> = (0..5).map(|k| 2.0 * k as f64 + 0.1 * (k % 2) as f64).collect();
+        let found = fit(&values, &[1.0; 5], &[1.0], 50, &mut Misled).expect("an end");
+        assert!(found.stalled && found.steps == 0, "{found:?}");
+        let found = fit(&wanted(0.05), &[1.0; TIMES], &[1.0, 1.0], 50, &mut Decay::default()).expect("a fit");
+        assert!(!found.stalled, "{found:?}");
     }
 
     /// Two unknowns of which only the product is seen.

@@ -151,7 +151,7 @@ macro_rules! forms {
             })*
         }
 
-        /// Runs the words of a pair, which is none if it is [`OTHER`]. Returns the result of the last one.
+        /// Runs a word or a pair of words of arithmetic and returns the last result; `None` for all other words ([`OTHER`]).
         #[inline(always)]
         fn arithmetic<N: Copy, C: Cells<N> + ?Sized>(step: &Step<N>, cells: &mut C, last: f64) -> Option<f64> {
             let Step { pair, first, second, .. } = step;

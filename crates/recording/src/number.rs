@@ -50,8 +50,8 @@ pub(crate) fn push_number(text: &mut String, value: f64) {
 /// `12.5`, `0.00125` and `1.25e-7`.
 fn decimal(printed: &str, digits: &mut [u8; DIGITS]) -> (usize, i32) {
     let (mantissa, power) = printed.split_once('e').unwrap_or((printed, "0"));
-    let (mut count, mut last, mut before) = (0, 0, None);
-    // Places of the point and of the first digit that is not zero, from the left.
+    let (mut count, mut last) = (0, 0);
+    // The place of the first digit that is not zero, from the left.
     let mut first = None;
     for (at, byte) in mantissa.bytes().filter(|byte| *byte != b'.').enumerate() {
         if byte != b'0' && first.is_none() {
@@ -65,10 +65,7 @@ fn decimal(printed: &str, digits: &mut [u8; DIGITS]) -> (usize, i32) {
             }
         }
     }
-    if let Some(point) = mantissa.find('.') {
-        before = Some(point);
-    }
-    let before = before.unwrap_or(mantissa.len()) as i32;
+    let before = mantissa.find('.').unwrap_or(mantissa.len()) as i32;
     (last, before - 1 - first.unwrap_or(0) as i32 + power.parse().unwrap_or(0))
 }
 

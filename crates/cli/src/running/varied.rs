@@ -34,7 +34,7 @@ pub struct Parameter {
 /// A parameter by its name, with the value that it has in the model or that the command line gives it.
 ///
 /// # Errors
-/// If there is none, or it is no number.
+/// An unknown name, several parameters of this name, or a value that is not a number.
 pub fn parameter(model: &ModelArgs, name: &str) -> Result<Parameter, Failure> {
     readable(&model.model)?;
     let disk = Disk::default();

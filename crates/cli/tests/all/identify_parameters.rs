@@ -159,6 +159,14 @@ fn what_cannot_be_found_is_explained() {
         assert_eq!(found, Some(code), "{of} with {set}: {out}{err}");
         assert!(err.contains(told), "{of} with {set}: {err}");
     }
+    let words =
+        ["identify", "parameters", "lag.ron", "--from", "lag.ron", "--of", "tau", "--map", "a=scope.y"];
+    let Answer { code, err, .. } = desk.call(&words);
+    assert!(code == Some(2) && err.contains("--map has no place"), "{err}");
+    // Rows that the run does not reach are counted.
+    let words = ["identify", "parameters", "lag.ron", "--from", "m.csv", "--of", "tau", "--until", "1 s"];
+    let answer = desk.call(&words);
+    assert!(answer.out.contains("50 rows of `scope.y` are not compared"), "{answer:?}");
     for (from, told) in [("none.csv", "none.csv"), ("lag.ron", "is not a measurement")] {
         let Answer { code, err, .. } =
             desk.call(&["identify", "parameters", "lag.ron", "--from", from, "--of", "tau"]);

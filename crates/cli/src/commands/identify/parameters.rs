@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use blocksim_block::schedule::{Recorded, Schedule};
+use blocksim_diagram::SourceFile;
 use blocksim_identify::{Fitted, IdentifyError, Model, Stopped, fit};
 use blocksim_recording::ALWAYS;
 use blocksim_signal::{Kind, Unit};
@@ -17,8 +18,8 @@ use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::loaded::load;
 use crate::running::blame::{failure, reason};
-use crate::running::interrupt;
 use crate::running::varied::{Parameter, parameter, variants, with};
+use crate::running::{interrupt, solver};
 use crate::signals::display::display_unit;
 use crate::signals::measured::assignment;
 use crate::signals::naming::fits;
@@ -47,6 +48,8 @@ pub struct Compared {
     times: Vec<f64>,
     /// Values in SI.
     pub values: Vec<f64>,
+    /// Rows that are not compared: before or behind the run, or of more than can be compared.
+    pub left_out: usize,
     /// One over the size of its changes, so that signals of different units count alike.
     weight: f64,
 }
@@ -57,7 +60,7 @@ pub struct Compared {
 /// What is wrong with the command line, the model or the measurement, or why nothing was found.
 pub fn parameters(args: &ParametersArgs, console: Console) -> Outcome {
     let mut first = load(&args.model, Purpose::Run)?;
-    let schedule = first.take_schedule("nothing was run", console)?;
+    let mut schedule = first.take_schedule("nothing was run", console)?;
     if let Some(understood) = first.understood() {
         console.say(&understood);
     }
@@ -66,10 +69,8 @@ pub fn parameters(args: &ParametersArgs, console: Console) -> Outcome {
     if let Some(twice) = (1..args.of.len()).find(|&at| args.of[..at].contains(&args.of[at])) {
         return Err(Failure::usage(format!("`{}` is to be found twice", args.of[twice])).help("name it once"));
     }
-    let stop_time = match with(&args.model, &args.solver, [])? {
-        Ok(schedule) => schedule.settings.stop_time,
-        Err(_) => schedule.settings.stop_time,
-    };
+    solver::apply(&args.solver, &mut schedule.settings)?;
+    let stop_time = schedule.settings.stop_time;
     let compared = compared(args, &schedule.recorded, stop_time)?;
     let values: Vec<f64> = compared.iter().flat_map(|signal| &signal.values).copied().collect();
     let weights: Vec<f64> =
@@ -79,6 +80,7 @@ pub fn parameters(args: &ParametersArgs, console: Console) -> Outcome {
     let mut runs = Runs {
         args,
         console,
+        files: &first.files,
         compared: &compared,
         intervals: intervals(&compared, stop_time),
         ways: parameters.iter().map(|_| Way::Unknown).collect(),
@@ -149,6 +151,7 @@ fn compared(args: &ParametersArgs, recorded: &[Recorded], stop: f64) -> Result<V
             // What has no unit is in that in which the signal is shown.
             None => values.iter().map(|value| shown.to_si(*value)).collect(),
         };
+        let measured_rows = times.len();
         let inside: Vec<(f64, f64)> =
             times.iter().copied().zip(values).filter(|(t, _)| (0.0..=stop).contains(t)).collect();
         if let Some((t, value)) = inside.iter().find(|(_, value)| !value.is_finite()) {
@@ -168,13 +171,14 @@ fn compared(args: &ParametersArgs, recorded: &[Recorded], stop: f64) -> Result<V
             (0..inside.len()).filter(|at| is_last(*at)).map(|at| inside[at]).collect();
         let step = inside.len().div_ceil(ROWS);
         let (times, values): (Vec<f64>, Vec<f64>) = inside.into_iter().step_by(step).unzip();
-        let weight = 1.0 / size(&values);
+        let (weight, left_out) = (1.0 / size(&values), measured_rows - times.len());
         found.push(Compared {
             number: *number,
             path: recorded.path.clone(),
             unit: shown,
             times,
             values,
+            left_out,
             weight,
         });
     }
@@ -201,6 +205,10 @@ type MeasuredSignal = (String, Option<Unit>, Vec<f64>, Vec<f64>);
 fn measured(args: &ParametersArgs) -> Result<Vec<MeasuredSignal>, Failure> {
     let file = Path::new(&args.from);
     if file.extension().is_some_and(|ending| ending == "ron") {
+        if !args.map.is_empty() {
+            let said = format!("`{}` has signals for its columns already, so --map has no place", args.from);
+            return Err(Failure::usage(said).help("leave --map out, or change the columns in the file"));
+        }
         let (assigned, folder) = assignment(file)?;
         let measurement = assigned.read(&folder, &args.from).map_err(|troubles| {
             let first = troubles.into_iter().next();
@@ -266,6 +274,8 @@ enum Way {
 struct Runs<'a> {
     args: &'a ParametersArgs,
     console: Console,
+    /// Texts that the places of problems refer to.
+    files: &'a [SourceFile],
     compared: &'a [Compared],
     intervals: usize,
     parameters: Vec<Parameter>,
@@ -318,8 +328,14 @@ impl Runs<'_> {
         signals.flat_map(|signal| signal.times.iter().map(move |t| at(&values[signal.number], *t))).collect()
     }
 
-    /// A run of the whole time; why there is none.
+    /// Runs the model to its end, or gives the reason why it does not get there.
     fn run(&mut self, schedule: &Schedule) -> Result<Result<Course, String>, Failure> {
+        let is_there = |signal: &Compared| {
+            schedule.recorded.get(signal.number).is_some_and(|recorded| recorded.path == signal.path)
+        };
+        if let Some(lost) = self.compared.iter().find(|signal| !is_there(signal)) {
+            return Ok(Err(format!("the model does not record `{}` any more", lost.path)));
+        }
         self.count(1);
         match course(schedule, self.intervals, &mut go_on) {
             Ok(Some(course)) if course.times.len() == self.intervals + 1 => Ok(Ok(course)),
@@ -338,13 +354,15 @@ impl Runs<'_> {
         let distance = parameter.distance;
         let variants = variants(&self.model(), &self.args.solver, parameter)?;
         let stop = variants[2].settings.stop_time;
-        let failed =
-            |error: &SimError| Failure::of(Exit::Failed, vec![failure(error, &variants[2])], Vec::new());
+        let failed = |error: &SimError| {
+            Failure::of(Exit::Failed, vec![failure(error, &variants[2])], self.files.to_vec())
+        };
         let interrupted = || Failure::interrupted("nothing was found");
         if let Way::Tangent = self.ways[number] {
             self.count(1);
             let found = tangent_on(&variants, distance, self.intervals, &mut go_on);
-            if let Some(values) = found.map_err(|error| failed(&error))?
+            // Where there is none any more, differences are taken, which name what is wrong.
+            if let Ok(Some(values)) = found
                 && values.iter().all(|column| column.len() == self.intervals + 1)
             {
                 return Ok(self.picked(&values, stop));

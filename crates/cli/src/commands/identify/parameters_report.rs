@@ -108,6 +108,14 @@ pub fn text(found: &Found) -> String {
         plural(found.fitted.steps, "step"),
         plural(found.runs, "run")
     ));
+    for signal in found.compared.iter().filter(|signal| signal.left_out > 0) {
+        text.push_str(&format!("{} of `{}` are not compared\n", plural(signal.left_out, "row"), signal.path));
+    }
+    if found.fitted.stalled {
+        text.push_str(
+            "note: the slopes promise a better fit than any run nearby has, as where the model jumps; begin elsewhere with --set\n",
+        );
+    }
     for (parameter, way) in found.parameters.iter().zip(found.ways) {
         if let Some(why) = way {
             text.push_str(&format!("slopes by `{}` are differences of runs: {why}\n", parameter.name));
@@ -182,12 +190,12 @@ pub fn json(found: &Found) -> String {
         .iter()
         .zip(found.differences())
         .map(|(signal, (before, now))| {
-            json!({ "signal": signal.path, "unit": signal.unit.to_string(), "rows": signal.values.len(), "before": before, "now": now })
+            json!({ "signal": signal.path, "unit": signal.unit.to_string(), "rows": signal.values.len(), "left_out": signal.left_out, "before": before, "now": now })
         })
         .collect();
     let alike: Vec<_> =
         found.alike().into_iter().map(|(a, b, correlation)| json!([a, b, correlation])).collect();
-    let all = json!({ "signals": signals, "steps": found.fitted.steps, "runs": found.runs, "alike": alike, "edge": found.edge });
+    let all = json!({ "signals": signals, "steps": found.fitted.steps, "runs": found.runs, "alike": alike, "edge": found.edge, "stalled": found.fitted.stalled });
     text.push_str(&format!("{all}\n"));
     text
 }
