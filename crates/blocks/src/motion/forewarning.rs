@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use blocksim_block::prelude::*;
 use blocksim_robotics::motion::AxisLimits;
-use blocksim_robotics::planner::{Course, Finding, Severity, inspect_axes, review};
+use blocksim_robotics::planner::{Course, Finding, Review, Severity, inspect_axes, review};
 use blocksim_robotics::robot::Robot;
 
 use super::joint_path::JointPath;
@@ -22,15 +22,23 @@ pub(super) struct Subject {
     pub surroundings: Option<Surroundings>,
 }
 
-/// Moves that were looked at last. A diagram has the same move in a block for each axis, and an editor compiles it again after
-/// each change elsewhere: the findings are the same.
-static SEEN: Mutex<Vec<(Subject, Arc<Vec<Finding>>)>> = Mutex::new(Vec::new());
+/// What was found of a move.
+#[derive(Debug, Clone)]
+struct Found {
+    all: Arc<Vec<Finding>>,
+    /// Where a robot does it.
+    review: Option<Arc<Review>>,
+}
+
+/// Moves that were looked at last. A diagram has the same move in a block for each axis and in one for the tool, and an editor
+/// compiles it again after each change elsewhere: the findings are the same.
+static SEEN: Mutex<Vec<(Subject, Found)>> = Mutex::new(Vec::new());
 /// How many of them are kept.
-const KEPT: usize = 4;
+const KEPT: usize = 8;
 
 /// Warns of limits that a move exceeds, of what it hits, and of where it is not what was requested.
 pub(super) fn forewarn(subject: Subject, course: &dyn Course, robot: Option<&Robot>, files: &dyn Files) {
-    for finding in findings(subject, course, robot).iter() {
+    for finding in findings(subject, course, robot).all.iter() {
         let source = finding.source.as_ref().map(|source| format!(" ({source})")).unwrap_or_default();
         let message = format!("{}{source}", finding.message);
         let exceeded =
@@ -43,32 +51,42 @@ pub(super) fn forewarn(subject: Subject, course: &dyn Course, robot: Option<&Rob
     }
 }
 
-fn findings(subject: Subject, course: &dyn Course, robot: Option<&Robot>) -> Arc<Vec<Finding>> {
+fn findings(subject: Subject, course: &dyn Course, robot: Option<&Robot>) -> Found {
     // A panic elsewhere leaves a list that is as good as before.
     let seen = || SEEN.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((_, known)) = seen().iter().find(|(known, _)| *known == subject) {
-        return Arc::clone(known);
+        return known.clone();
     }
-    let scrutiny = subject.path.scrutiny();
-    let velocity = subject.path.tool.as_ref().map(|tool| tool.velocity);
-    let found = match (&subject.robot, robot) {
-        (Some(description), Some(robot)) => {
-            // Surroundings that make no sense are reported by `check`.
-            let space = match subject.collides {
-                true => {
-                    description.space(robot, subject.surroundings.as_ref(), "surroundings").ok().flatten()
-                }
-                false => None,
-            };
-            review(robot, course, space.as_ref(), &scrutiny, velocity).all
-        }
-        _ => inspect_axes(&subject.limits, course, &scrutiny),
-    };
-    let found = Arc::new(found);
+    let found = look(&subject, course, robot);
     let mut seen = seen();
     if seen.len() == KEPT {
         seen.remove(0);
     }
-    seen.push((subject, Arc::clone(&found)));
+    seen.push((subject, found.clone()));
     found
+}
+
+fn look(subject: &Subject, course: &dyn Course, robot: Option<&Robot>) -> Found {
+    let scrutiny = subject.path.scrutiny();
+    let (Some(description), Some(robot)) = (&subject.robot, robot) else {
+        let all = inspect_axes(&subject.limits, course, &scrutiny);
+        return Found { all: Arc::new(all), review: None };
+    };
+    let reviewed =
+        |review: Review| Found { all: Arc::new(review.all.clone()), review: Some(Arc::new(review)) };
+    if !subject.collides {
+        let velocity = subject.path.tool.as_ref().map(|tool| tool.velocity);
+        return reviewed(review(robot, course, None, &scrutiny, velocity));
+    }
+    // All but the collisions is the same as for blocks that do not look for these.
+    let alone = Subject { collides: false, surroundings: None, ..subject.clone() };
+    let found = findings(alone, course, Some(robot));
+    // Surroundings that make no sense are reported by `check`.
+    let space = description.space(robot, subject.surroundings.as_ref(), "surroundings").ok().flatten();
+    match (space, &found.review) {
+        (Some(space), Some(review)) => {
+            reviewed(Review::clone(review).among(robot, course, &space, &scrutiny))
+        }
+        _ => found,
+    }
 }

@@ -97,7 +97,7 @@ impl Check {
             if bound > 2.0 * CLOSE {
                 return bound;
             }
-            let measure = || check.between(i, k, &places).distance;
+            let measure = || check.between([i, k], [&places[i], &places[k]]).distance;
             *known.borrow_mut().entry([i.min(k), i.max(k)]).or_insert_with(measure)
         };
         let touches = |i: usize, k: usize| at_rest(i, k) <= TOUCHING;
@@ -218,7 +218,7 @@ impl Check {
             if centres - self.reach[i] - self.reach[k] >= pair.bound(bound) {
                 continue;
             }
-            let found = self.between(i, k, &places);
+            let found = self.between([i, k], [&places[i], &places[k]]);
             if found.distance < pair.bound(bound) {
                 bound = found.distance;
                 best = Some((pair.of, found));
@@ -231,17 +231,22 @@ impl Check {
         Clearance { names: pair.map(|i| self.items[i].name.clone()), distance }
     }
 
-    pub(crate) fn between(&self, i: usize, k: usize, places: &[Placement]) -> Distance {
-        distance(&self.items[i].solid, &places[i], &self.items[k].solid, &places[k])
+    pub(crate) fn between(&self, [i, k]: [usize; 2], [a, b]: [&Placement; 2]) -> Distance {
+        distance(&self.items[i].solid, a, &self.items[k].solid, b)
     }
 
     /// Where all solids are in the world.
     pub(crate) fn places(&self, poses: &[Placement]) -> Vec<Placement> {
-        let of = |item: &Item| match item.body.and_then(|body| poses.get(body)) {
+        (0..self.items.len()).map(|item| self.place(item, poses)).collect()
+    }
+
+    /// Where a solid is in the world.
+    pub(crate) fn place(&self, item: usize, poses: &[Placement]) -> Placement {
+        let item = &self.items[item];
+        match item.body.and_then(|body| poses.get(body)) {
             Some(pose) => *pose * item.place,
             None => item.place,
-        };
-        self.items.iter().map(of).collect()
+        }
     }
 
     /// The next body towards the world that has solids.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use blocksim_multibody::Placement;
 
-use crate::collision::apart::Apart;
+use crate::collision::apart::{Apart, Watch};
 use crate::collision::check::Check;
 use crate::collision::distance::Distance;
 
@@ -53,7 +53,7 @@ struct Group {
     now: Option<Distance>,
 }
 
-/// Goes through poses one after another.
+/// What is found of each pair of names.
 ///
 /// A pair of solids is measured where it may touch, or may be nearer than its names were before.
 #[derive(Debug)]
@@ -62,7 +62,7 @@ struct Follow<'c> {
     groups: Vec<Group>,
     /// The group of each pair.
     of_pair: Vec<usize>,
-    apart: Apart<'c>,
+    time: f64,
     history: History,
 }
 
@@ -70,9 +70,11 @@ impl Check {
     /// What touches when and how near all others come while the bodies go through `way`: times that never fall, s, and the
     /// placements of the bodies, the world first.
     pub fn history<P: AsRef<[Placement]>>(&self, way: impl IntoIterator<Item = (f64, P)>) -> History {
-        let mut follow = Follow::new(self);
+        let (mut follow, mut apart) = (Follow::new(self), Apart::new(self));
         for (time, poses) in way {
-            follow.step(time, poses.as_ref());
+            follow.time = time;
+            apart.step(poses.as_ref(), &mut follow);
+            follow.note();
         }
         follow.told()
     }
@@ -92,30 +94,14 @@ impl<'c> Follow<'c> {
             }
             of_pair.push(group);
         }
-        Follow { check, groups, of_pair, apart: Apart::new(check), history: History::default() }
+        Follow { check, groups, of_pair, time: 0.0, history: History::default() }
     }
 
-    fn step(&mut self, time: f64, poses: &[Placement]) {
-        self.apart.go(poses);
-        for (n, pair) in self.check.pairs.iter().enumerate() {
-            let group = &mut self.groups[self.of_pair[n]];
-            let least = group.least.map_or(f64::INFINITY, |least| least.distance.distance);
-            // What touches is measured however deep it was before.
-            let enough = pair.bound(least.max(f64::MIN_POSITIVE));
-            let Some(mut found) = self.apart.measured(n, enough) else { continue };
-            if self.check.items[pair.of[0]].name != group.names[0] {
-                found.points.reverse();
-            }
-            if found.distance <= 0.0 && group.now.is_none_or(|now| found.distance < now.distance) {
-                group.now = Some(found);
-            }
-            if found.distance < pair.bound(least) {
-                group.least = Some(Nearest { time, distance: found });
-            }
-        }
+    /// A pose is done.
+    fn note(&mut self) {
         self.history.poses += 1;
         for group in &mut self.groups {
-            group.note(time, &mut self.history.contacts);
+            group.note(self.time, &mut self.history.contacts);
         }
     }
 
@@ -129,7 +115,33 @@ impl<'c> Follow<'c> {
     }
 }
 
+impl Watch for Follow<'_> {
+    fn enough(&self, pair: usize) -> f64 {
+        // What touches is measured however deep it was before.
+        self.check.pairs[pair].bound(self.groups[self.of_pair[pair]].least().max(f64::MIN_POSITIVE))
+    }
+
+    fn found(&mut self, pair: usize, mut found: Distance) {
+        let group = &mut self.groups[self.of_pair[pair]];
+        let pair = &self.check.pairs[pair];
+        if self.check.items[pair.of[0]].name != group.names[0] {
+            found.points.reverse();
+        }
+        if found.distance <= 0.0 && group.now.is_none_or(|now| found.distance < now.distance) {
+            group.now = Some(found);
+        }
+        if found.distance < pair.bound(group.least()) {
+            group.least = Some(Nearest { time: self.time, distance: found });
+        }
+    }
+}
+
 impl Group {
+    /// The least distance so far, m; infinite before any was measured.
+    fn least(&self) -> f64 {
+        self.least.map_or(f64::INFINITY, |least| least.distance.distance)
+    }
+
     /// Begins, goes on with or ends a contact.
     fn note(&mut self, time: f64, contacts: &mut Vec<Contact>) {
         let Some(distance) = self.now.take() else {

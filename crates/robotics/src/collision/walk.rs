@@ -2,8 +2,9 @@
 
 use blocksim_multibody::Placement;
 
-use crate::collision::apart::Apart;
+use crate::collision::apart::{Apart, Watch};
 use crate::collision::check::{Check, Clearance};
+use crate::collision::distance::Distance;
 
 /// What happens on a way.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -18,49 +19,68 @@ pub struct Passage {
 /// than the nearest so far.
 #[derive(Debug)]
 pub struct Walk<'c> {
-    check: &'c Check,
     apart: Apart<'c>,
+    nearest: Nearest<'c>,
+}
+
+/// The nearest pair so far.
+#[derive(Debug)]
+struct Nearest<'c> {
+    check: &'c Check,
     /// The least distance so far, m.
     least: f64,
-    /// Whether something has touched.
+    /// Whether something has touched in an earlier pose.
     has_touched: bool,
+    /// The nearest of the present pose, if it is nearer than any before, or touches first.
+    best: Option<(usize, Distance)>,
 }
 
 impl<'c> Walk<'c> {
     /// Before the first pose.
     pub fn new(check: &'c Check) -> Self {
-        Walk { check, apart: Apart::new(check), least: f64::INFINITY, has_touched: false }
+        let nearest = Nearest { check, least: f64::INFINITY, has_touched: false, best: None };
+        Walk { apart: Apart::new(check), nearest }
     }
 
     /// The same where it is known that a distance in one of the poses to come is not more than `least`, m: larger ones are
     /// not told, but the first touch is.
     pub fn down_to(check: &'c Check, least: f64) -> Self {
-        Walk { least: least.next_up(), ..Walk::new(check) }
+        let mut walk = Walk::new(check);
+        walk.nearest.least = least.next_up();
+        walk
     }
 
     /// The least distance so far, m; infinite before any was told.
     pub fn least(&self) -> f64 {
-        self.least
+        self.nearest.least
     }
 
     /// The next pose, with the world first: the nearest pair, if it is nearer than any before, or touches first.
     pub fn step(&mut self, poses: &[Placement]) -> Option<Clearance> {
-        self.apart.go(poses);
-        // However deep what is to come lies, the first touch counts.
-        let mut least = if self.has_touched { self.least } else { self.least.max(f64::MIN_POSITIVE) };
-        let mut best = None;
-        for (n, pair) in self.check.pairs.iter().enumerate() {
-            let enough = pair.bound(least);
-            if let Some(found) = self.apart.measured(n, enough).filter(|found| found.distance < enough) {
-                least = found.distance;
-                best = Some((pair.of, found));
-            }
+        self.apart.step(poses, &mut self.nearest);
+        let nearest = &mut self.nearest;
+        let (pair, found) = nearest.best.take()?;
+        nearest.has_touched |= found.distance <= 0.0;
+        nearest.least = nearest.least.min(found.distance);
+        Some(nearest.check.clearance_of(nearest.check.pairs[pair].of, found))
+    }
+}
+
+impl Watch for Nearest<'_> {
+    fn enough(&self, pair: usize) -> f64 {
+        let bound = match &self.best {
+            Some((_, found)) => found.distance,
+            None if self.has_touched => self.least,
+            // However deep what is to come lies, the first touch counts.
+            None => self.least.max(f64::MIN_POSITIVE),
+        };
+        self.check.pairs[pair].bound(bound)
+    }
+
+    fn found(&mut self, pair: usize, distance: Distance) {
+        if distance.distance < self.enough(pair) {
+            self.best = Some((pair, distance));
         }
-        if best.is_some() {
-            self.has_touched |= least <= 0.0;
-            self.least = self.least.min(least);
-        }
-        best.map(|(pair, found)| self.check.clearance_of(pair, found))
     }
 }
 
@@ -131,5 +151,38 @@ mod tests {
             assert_eq!(found.iter().find(|(_, near)| near.distance.distance <= 0.0), course.first.as_ref());
             assert_eq!(found.last(), course.least.as_ref());
         }
+    }
+
+    /// A solid without end on a body that turns: no way of the body bounds how near it comes.
+    #[test]
+    fn a_plane_that_turns_is_measured_in_each_pose() {
+        let item = |name: &str, body, solid, z: f64| Item {
+            name: name.to_owned(),
+            body,
+            solid,
+            place: Placement::from_translation([0.0, 0.0, z]),
+        };
+        let items = vec![
+            item("ball", Some(1), Solid::sphere(0.1), 0.5),
+            item("rod", Some(1), Solid::capsule(0.1, 0.4), 1.5),
+            item("flap", Some(2), Solid::half_space(), -0.3),
+        ];
+        let parents = [None, Some(0), Some(0)];
+        let rest = [Placement::identity(); 3];
+        let check = Check::new(items, &parents, &rest, &Rules::default());
+        let way = |t: f64| {
+            // Still, then away, then turning.
+            let flap = Placement::from_rpy([0.0, 0.0, -0.1 * t.sin()], [1.5 * (t - 2.0).max(0.0), 0.0, 0.0]);
+            [Placement::identity(), Placement::from_translation([0.0, 0.1 * t, 0.0]), flap]
+        };
+        let poses: Vec<[Placement; 3]> = (0..400).map(|row| way(f64::from(row) * 1e-2)).collect();
+        let each: Vec<f64> =
+            poses.iter().map(|poses| check.clearance(poses).expect("pairs").distance.distance).collect();
+        let passage = check.along(&poses);
+        let least = each.iter().copied().fold(f64::INFINITY, f64::min);
+        let first = each.iter().position(|distance| *distance <= 0.0);
+        assert!(first.is_some_and(|row| row > 200), "{first:?}");
+        assert_eq!(passage.first.map(|(row, _)| row), first);
+        assert_eq!(passage.least.expect("pairs").1.distance.distance, least);
     }
 }

@@ -54,6 +54,21 @@ pub struct Review {
 }
 
 impl Review {
+    /// The same move, of which collisions were not looked at, in a space.
+    #[must_use]
+    pub fn among(self, robot: &Robot, course: &dyn Course, space: &Space, scrutiny: &Scrutiny) -> Review {
+        let met = encounters(robot, course, space, scrutiny.waypoints);
+        let Review { findings, mut all, .. } = self;
+        if let Some(collision) = collision(&met) {
+            let is_before = |finding: &Finding| {
+                finding.severity == Severity::Violation && finding.spot.t <= collision.spot.t
+            };
+            let place = all.iter().take_while(|finding| is_before(finding)).count();
+            all.insert(place, collision);
+        }
+        Review { findings, met: Some(met), all }
+    }
+
     /// Whether the robot can do the move without exceeding or hitting anything.
     pub fn passes(&self) -> bool {
         self.all.iter().all(|finding| finding.severity == Severity::Note)
@@ -72,13 +87,14 @@ pub fn review(
     velocity: Option<f64>,
 ) -> Review {
     let findings = inspect(robot, course, scrutiny);
-    let met = space.map(|space| encounters(robot, course, space, scrutiny.waypoints));
     let mut all: Vec<Finding> =
         findings.violations.iter().map(|violation| exceeded(violation, velocity)).collect();
-    all.extend(met.as_ref().and_then(collision));
-    all.sort_by(|a, b| a.spot.t.total_cmp(&b.spot.t));
     all.extend(course.notes().iter().map(|note| noted(course, note)));
-    Review { findings, met, all }
+    let review = Review { findings, met: None, all };
+    match space {
+        Some(space) => review.among(robot, course, space, scrutiny),
+        None => review,
+    }
 }
 
 /// The same of axes alone, where there is no robot: positions, speeds and accelerations against their limits.
