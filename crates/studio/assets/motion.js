@@ -5,14 +5,14 @@
 
 /** @type {any} */ (R).Motion = (() => {
   const { Desk, Live, Joints, Sequence } = /** @type {any} */ (R);
-  /** How long the keys may rest before a move is planned, ms. */
+  /** How long a joint that is dragged may rest before its move is planned, ms. */
   const REST = 15;
   /** @type {any} */ let robot = null;
   /** @type {any} The fields as they were typed. */ let typed = null;
   /** @type {any} What the last plan came to. */ let found = null;
   /** @type {any} */ let plot = null;
   /** @type {any} */ const place = { form: null, rows: [], result: null, slider: null, clock: null, name: null, space: null };
-  let asked = 0, waiting = 0, playing = 0, drawn3d = false, busy = false;
+  let asked = 0, waiting = 0, pause = 0, playing = 0, drawn3d = false, busy = false;
 
   /** A number as typed, with a decimal comma or a point; what else stands there is NaN. @param {string} text */
   const number = (text) => /^[+-]?(\d+([.,]\d*)?|[.,]\d+)(e[+-]?\d+)?$/i.test(text.trim()) ? Number(text.trim().replace(',', '.')) : NaN;
@@ -191,12 +191,18 @@
   };
 
   /** Looks at what was typed: at once what a field lacks, then the whole move. */
-  const look = () => {
+  const look = (rest = 0) => {
     asked++;
+    pause = rest;
     locally();
     if (typed.kind === 'sequence') Sequence.show();
+    soon();
+  };
+  /** Plans what is typed: now, or when the plan that is under way is there. */
+  const soon = () => {
     clearTimeout(waiting);
-    waiting = setTimeout(plan, REST);
+    if (busy) return;
+    if (pause > 0) waiting = setTimeout(plan, pause); else plan();
   };
   /** What the fields of the axes lack. */
   const locally = () => {
@@ -249,9 +255,8 @@
     (spots.get(one.n === null ? one.field : `${one.field}.${one.n}`) ?? spots.get(`${one.field}.0`))?.input.focus();
   };
 
-  /** Plans what is typed now; while one plan is under way, the next one waits for it. */
+  /** Plans what is typed now. */
   const plan = async () => {
-    if (busy) { clearTimeout(waiting); waiting = setTimeout(plan, REST); return; }
     const own = asked, begin = performance.now();
     busy = true;
     try {
@@ -289,7 +294,7 @@
         begins();
         showTroubles();
         /** @type {any} */ (window).__m.planned = performance.now() - begin;
-      }
+      } else soon();
     }
   };
   /** Moves of a sequence that exceed something or touch something, with what it is. */
@@ -450,7 +455,7 @@
     Sequence.build(place.list, place.strip, { typed: () => typed, look, next, chosen, focus: () => /** @type {any} */ (place.fields.querySelector('input[type=text]'))?.focus() });
     Joints.build(place.joints, {
       axes: robot.axes, isJoint: () => move().kind === 'joint', value: worth, text: (/** @type {string} */ which, /** @type {number} */ n) => list(which)[n] ?? '',
-      set: (/** @type {string} */ which, /** @type {number} */ n, /** @type {string} */ text) => { list(which)[n] = text; if (inputs[which][n]) inputs[which][n].value = text; look(); },
+      set: (/** @type {string} */ which, /** @type {number} */ n, /** @type {string} */ text) => { list(which)[n] = text; if (inputs[which][n]) inputs[which][n].value = text; look(REST); },
       held: (/** @type {boolean} */ is) => place.seen.classList.toggle('held', is),
     });
     bar();
