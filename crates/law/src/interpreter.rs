@@ -289,6 +289,7 @@ impl Steps {
     }
 
     /// Runs all steps; see [`run`].
+    #[inline]
     pub fn run(&self, cells: &mut [f64], held: &mut [f64]) -> Ran {
         let Outcome { failed, changed, about } = match self {
             Self::Many(steps) => run(steps, cells, held),

@@ -225,7 +225,20 @@ impl Tape {
         })
     }
 
-    /// The same, always by the interpreter.
+    /// Computes everything; returns whether all requirements are met.
+    ///
+    /// # Panics
+    /// Panics if there are fewer cells or held numbers than the tape was made for.
+    #[inline]
+    pub fn meets(&self, cells: &mut [f64], held: &mut [f64]) -> bool {
+        let ran = match &self.machine {
+            None => self.steps.run(cells, held),
+            Some(machine) => machine.run(cells, held),
+        };
+        ran.failed.is_none()
+    }
+
+    /// As [`run`](Self::run), always by the interpreter.
     ///
     /// # Panics
     /// Panics if there are fewer cells or held numbers than the tape was made for.

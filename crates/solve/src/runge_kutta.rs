@@ -165,6 +165,19 @@ impl Stepper for FixedStep {
         }
     }
 
+    fn single(&self) -> Option<f64> {
+        Some(self.h * STRETCH)
+    }
+
+    fn made(&mut self, steps: u64, t: f64, t1: f64) {
+        if steps > 0 {
+            self.are_stages_known = false;
+            self.counts.evaluations += steps * self.tableau.b.len() as u64;
+            self.counts.accepted += steps;
+            self.last = (t, t1, t1 - t);
+        }
+    }
+
     fn last_step(&self) -> (f64, f64) {
         (self.last.0, self.last.1)
     }

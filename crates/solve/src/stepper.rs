@@ -44,6 +44,16 @@ pub trait Stepper: Send {
         self.restart();
     }
 
+    /// The longest way to a limit that is one step for sure, s, of a method that lets a system [make steps by
+    /// itself](System::step); nothing of others.
+    fn single(&self) -> Option<f64> {
+        None
+    }
+
+    /// Takes down steps that the system has made by itself, none longer than [`single`](Stepper::single); the last one went from
+    /// `t` to `t1`.
+    fn made(&mut self, _steps: u64, _t: f64, _t1: f64) {}
+
     /// Begin and end of the last accepted step, s.
     fn last_step(&self) -> (f64, f64);
 

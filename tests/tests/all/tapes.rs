@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use blocksim_block::law::{Machine, Ran};
-use blocksim_block::schedule::{FixedMethod, Schedule, Solver, Start, When};
+use blocksim_block::schedule::{FixedMethod, OutputTimes, Schedule, Solver, Start, When};
 use blocksim_host::machines;
-use blocksim_sim::{Counts, Observer, SimError, Simulation};
+use blocksim_sim::{Counts, Ended, Observer, SimError, Simulation};
 use blocksim_tests::random::{Circuit, Mechanisms, Puzzle, Sampled, Shafts, Signals, Variant};
 use blocksim_tests::{compile_file, compile_text, diagrams_below, root};
 
@@ -113,9 +113,88 @@ fn steps_of_a_fixed_size_give_the_bits_of_single_calls() {
     let methods = [FixedMethod::Ode4, FixedMethod::Ode1, FixedMethod::Ode5, FixedMethod::Ode3];
     let mut wrong = Vec::new();
     for ((name, schedule), method) in files.chain(random).zip(methods.into_iter().cycle()) {
-        agree(&format!("{name} by {method:?}"), fixed(schedule, method), &mut wrong);
+        let mut schedule = fixed(schedule, method);
+        agree(&format!("{name} by {method:?}"), schedule.clone(), &mut wrong);
+        // Where each step is recorded, the diagram makes many in a row.
+        schedule.settings.output = OutputTimes::Steps;
+        agree(&format!("{name} by {method:?}, each step"), schedule, &mut wrong);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Hears the same, but wants the run to stop after each so many rows.
+struct Halting {
+    heard: Heard,
+    every: usize,
+    rows: usize,
+}
+
+impl Observer for Halting {
+    fn row(&mut self, t: f64, values: &[f64]) {
+        self.rows += 1;
+        self.heard.row(t, values);
+    }
+
+    fn event(&mut self, t: f64, block: &str, what: &str) {
+        self.heard.event(t, block, what);
+    }
+
+    fn is_waiting(&self, _t: f64) -> bool {
+        self.rows.is_multiple_of(self.every)
+    }
+}
+
+/// Steps in a row come to an end where a mode changes, a law has no value, a number is not finite, a source jumps, or the observer
+/// wants to be heard: with the rows, the events, the message and the work of single ones.
+#[test]
+fn steps_in_a_row_end_where_single_ones_do() {
+    let models = [
+        // A mode that changes forth and back.
+        r#""s": Sine(amplitude: 2, frequency: "1 Hz"), "l": Relay(on_at: 1, off_at: -1, on: 1, off: -1), "x": Integrator, "w": Scope(inputs: ["y", "law"])"#,
+        // A law without a value from 0.7 s on.
+        r#""s": Ramp(slope: "-1 1/s", initial: 0.7), "l": Function(function: Sqrt), "x": Integrator, "w": Scope(inputs: ["y"])"#,
+        // A number that is none where somebody records it.
+        r#""s": Ramp(slope: "1000 1/s"), "l": Function(function: Exp), "x": Integrator, "w": Scope(inputs: ["y", "law"])"#,
+        // The same where no derivative depends on it.
+        r#""s": Ramp(slope: "-1 1/s", initial: 0.7), "l": Function(function: Sqrt), "x": Integrator, "w": Scope(inputs: ["y", "law"]), "alone": Terminator"#,
+        r#""s": Ramp(slope: "1000 1/s"), "l": Function(function: Exp), "x": Integrator, "w": Scope(inputs: ["y", "law"]), "alone": Terminator"#,
+        // A jump between two steps, and one at a step.
+        r#""s": Step(time: "0.50025 s", after: 3), "l": Gain(k: 2.0), "x": Integrator, "w": Scope(inputs: ["y"])"#,
+        r#""s": Step(time: "0.5 s", after: 3), "l": Gain(k: 2.0), "x": Integrator, "w": Scope(inputs: ["y"])"#,
+    ];
+    let mut ends = Vec::new();
+    for model in models {
+        let law = if model.contains("law") { r#", "l.y -> w.law""# } else { "" };
+        let fed =
+            if model.contains("alone") { r#""s.y -> d.u", "l.y -> alone.u""# } else { r#""l.y -> d.u""# };
+        let text = format!(
+            r#"Diagram(simulation: (stop_time: "1 s", solver: Ode4(step: "1 ms")), blocks: {{ {model},
+               "g": Gain(k: "-1 1/s"), "d": Gain(k: "1 1/s"), "e": Sum(signs: "++"), "more": Gain(k: 2.0), "most": Gain(k: 3.0) }},
+               connections: ["s.y -> l.u", {fed}, "d.y -> e.u1", "x.y -> g.u", "g.y -> e.u2", "e.y -> x.u", "g.y -> more.u", "more.y -> most.u",
+               "x.y -> w.y"{law}])"#
+        );
+        let (compiled, problems) = compile_text(&text);
+        let schedule = Arc::new(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+        let in_a_row = run(Simulation::new(Arc::clone(&schedule)), 1.0);
+        assert_eq!(in_a_row, run(Simulation::one_by_one(Arc::clone(&schedule)), 1.0), "{model}");
+        for every in [1, 7, 400] {
+            let mut simulation = Simulation::new(Arc::clone(&schedule)).expect("a start");
+            let mut halting = Halting { heard: Heard::default(), every, rows: 0 };
+            let mut halts = 0;
+            let error = loop {
+                match simulation.run_until(1.0, &mut halting) {
+                    Ok(Ended::Interrupted) => halts += 1,
+                    Ok(_) => break None,
+                    Err(error) => break Some(error.to_string()),
+                }
+            };
+            assert!(halts >= halting.rows / every - 1, "{halts} halts in {} rows", halting.rows);
+            assert_eq!((halting.heard, Some(simulation.counts()), error), in_a_row, "{model}, {every}");
+        }
+        ends.push((in_a_row.0.events.len(), in_a_row.2));
+    }
+    let errors: Vec<&str> = ends.iter().filter_map(|(_, error)| error.as_deref()).collect();
+    assert!(errors.len() == 4 && ends[0].0 == 2, "{ends:?}");
 }
 
 /// The same model, in which all that may change between major steps is evaluated at every stage of the solver, every condition is

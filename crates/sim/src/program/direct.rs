@@ -46,7 +46,7 @@ impl Direct {
     /// Computes the derivatives at a point that is in its place and leaves them in their cells. Returns whether all requirements are met.
     #[inline]
     pub fn meets(&self, signals: &mut [f64], d: &mut [f64]) -> bool {
-        self.tape.run(signals, d).failed.is_none()
+        self.tape.meets(signals, d)
     }
 
     /// The cells of the derivatives of all states.

@@ -42,11 +42,25 @@ impl Diagram {
             return Ok(false);
         }
         self.forget();
-        let Self { plan, signals, d, settle, .. } = self;
-        let Some(tape) = &plan.fused.plain else { return Ok(false) };
+        let changed = self.outputs_plainly(t, x);
+        self.settle.changed |= changed == Some(true);
+        Ok(changed.is_some())
+    }
+
+    /// Whether steps may be made one after the other without anybody else being heard.
+    pub fn dashes(&self) -> bool {
+        let fused = &self.plan.fused;
+        fused.whole.is_some() && fused.plain.is_some() && self.pinned.is_empty()
+    }
+
+    /// What a [major pass at a plain step](Self::pass_plainly) computes. Returns whether it has changed a mode; nothing where a law has
+    /// no value.
+    #[inline]
+    pub fn outputs_plainly(&mut self, t: f64, x: &[f64]) -> Option<bool> {
+        let Self { plan, signals, d, .. } = self;
+        let tape = plan.fused.plain.as_ref()?;
         plan.fused.place(t, x, signals);
         let met = tape.run(signals, d);
-        settle.changed |= met.changed;
-        Ok(met.failed.is_none())
+        met.failed.is_none().then_some(met.changed)
     }
 }

@@ -82,16 +82,39 @@ impl Stages {
     #[inline]
     pub fn add(&mut self, stage: usize, h: f64, signals: &[f64]) {
         let Row { first, before, last } = self.rows[stage];
-        let last = h * last;
-        for four in &mut self.fours {
-            let new = four.cells.map(|cell| signals[cell as usize]);
-            let mut sums = four.from;
-            for (weight, k) in before.iter().zip(&four.k[first..]) {
-                let weight = h * weight;
+        // Of known length the sum is a line of code, and most rows are short.
+        match *before {
+            [] => self.sum(stage, first, [], h * last, signals),
+            [a] => self.sum(stage, first, [h * a], h * last, signals),
+            [a, b] => self.sum(stage, first, [h * a, h * b], h * last, signals),
+            [a, b, c] => self.sum(stage, first, [h * a, h * b, h * c], h * last, signals),
+            [a, b, c, d] => self.sum(stage, first, [h * a, h * b, h * c, h * d], h * last, signals),
+            [a, b, c, d, e] => {
+                self.sum(stage, first, [h * a, h * b, h * c, h * d, h * e], h * last, signals);
+            }
+            _ => unreachable!("a method has no more than {MOST} stages"),
+        }
+    }
+
+    /// The same with the weights of the stages from `first` on.
+    #[inline]
+    fn sum<const N: usize>(
+        &mut self,
+        stage: usize,
+        first: usize,
+        weights: [f64; N],
+        last: f64,
+        signals: &[f64],
+    ) {
+        for Four { cells, from, to, k } in &mut self.fours {
+            let new = cells.map(|cell| signals[cell as usize]);
+            let mut sums = *from;
+            let Some(known) = k[first..].first_chunk::<N>() else { return };
+            for (weight, k) in weights.iter().zip(known) {
                 sums.iter_mut().zip(k).for_each(|(sum, k)| *sum += weight * k);
             }
             sums.iter_mut().zip(&new).for_each(|(sum, k)| *sum += last * k);
-            (four.k[stage], four.to) = (new, sums);
+            (k[stage], *to) = (new, sums);
         }
     }
 

@@ -148,10 +148,16 @@ impl Diagram {
     /// Makes a step if it can: the states at its end come to `x`, and the signals stay those of the point before. Returns whether that
     /// was possible, and all of it finite.
     pub fn step_wholly(&mut self, t: f64, t1: f64, h: f64, x: &mut [f64]) -> bool {
+        self.plan.fused.place(t, x, &mut self.signals);
+        self.step_on(t, t1, h, x)
+    }
+
+    /// The same where time and states are in their places already.
+    #[inline]
+    pub fn step_on(&mut self, t: f64, t1: f64, h: f64, x: &mut [f64]) -> bool {
         let Self { plan, signals, d, .. } = self;
         let (fused, signals, d) = (&mut plan.fused, &mut signals[..], &mut d[..]);
         let Some(whole) = &mut fused.whole else { return false };
-        fused.layout.place(t, x, signals);
         if whole.tape.has_machine() {
             signals[whole.sizes..whole.sizes + SIZES].copy_from_slice(&[h, t1]);
             let met = whole.tape.run(signals, d).failed.is_none();

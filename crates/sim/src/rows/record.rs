@@ -137,6 +137,8 @@ enum Copies {
 impl Copies {
     /// Fewest values of a span that make copying it at once worth its while.
     const LONG: usize = 4;
+    /// Most values of a row that is not worth eight sums.
+    const SHORT: usize = 8;
 
     fn new(cells: Vec<usize>) -> Copies {
         let spans: Vec<(usize, usize)> =
@@ -148,6 +150,15 @@ impl Copies {
     #[inline]
     fn take(&self, row: &mut [f64], signals: &[f64]) -> bool {
         match self {
+            // Of a short row each value is looked at while it is at hand.
+            Copies::Cells(cells) if cells.len() <= Self::SHORT => {
+                let mut sum = 0.0;
+                for (value, &cell) in row.iter_mut().zip(cells) {
+                    *value = signals[cell];
+                    sum += 0.0 * *value;
+                }
+                return sum == 0.0;
+            }
             Copies::Cells(cells) => {
                 for (value, &cell) in row.iter_mut().zip(cells) {
                     *value = signals[cell];

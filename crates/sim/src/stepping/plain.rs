@@ -24,6 +24,18 @@ pub(crate) fn are_plain(schedule: &Schedule, plan: &Plan) -> bool {
     is_fixed && schedule.states > 0 && acting.into_iter().all(Vec::is_empty) && plan.timed.iter().all(is_set)
 }
 
+/// Why steps in a row come to an end.
+enum End {
+    /// Something is due, or the next step is not of this sort.
+    Due,
+    /// A law has no value.
+    Unmet,
+    /// A value to be recorded is not finite.
+    NotFinite,
+    /// A mode has changed.
+    Changed,
+}
+
 impl Simulation {
     /// Goes on as long as steps are plain, until the observer is to be asked at the latest. Events that are due, and hits, must be
     /// known as of the present instant, and their updates done. Returns whether there was any such step.
@@ -34,6 +46,13 @@ impl Simulation {
         let since = self.t;
         // What is meant to be one instant is left to those who know how.
         while next + same(next) < due {
+            if self.dash(due, observer)? {
+                break;
+            }
+            next = self.grid.as_ref().map_or(due, |grid| grid.time());
+            if next + same(next) >= due {
+                break;
+            }
             self.step(next)?;
             let is_major = self.t >= next || self.diagram.plan.every_step || self.rows.grid.is_none();
             if self.rows.grid.is_some() {
@@ -54,6 +73,59 @@ impl Simulation {
             self.complete()?;
         }
         Ok(self.t > since)
+    }
+
+    /// Steps that the diagram makes by itself, one after the other, as long as all is as it should be; the first one that is not is
+    /// left to [`step`](Self::step). Returns whether others are to be heard before the next one.
+    fn dash(&mut self, due: f64, observer: &mut dyn Observer) -> Result<bool, SimError> {
+        let Self { diagram, stepper, grid: Some(grid), rows, hits, .. } = self else { return Ok(false) };
+        let Some(single) = stepper.as_ref().and_then(|stepper| stepper.single()) else { return Ok(false) };
+        if rows.grid.is_some() || !diagram.dashes() {
+            return Ok(false);
+        }
+        diagram.forget();
+        diagram.settle.changed = false;
+        // From here on the outputs at the end of each step leave them there.
+        diagram.plan.fused.place(self.t, &self.x, &mut diagram.signals);
+        hits.due.fill(false);
+        let (mut steps, mut before, mut is_over) = (0, self.t, false);
+        let end = loop {
+            let next = grid.time();
+            let h = next - self.t;
+            let is_plain = next + same(next) < due && 0.0 < h && h <= single;
+            if !is_plain || is_over || !diagram.step_on(self.t, next, h, &mut self.x) {
+                break End::Due;
+            }
+            (steps, before, self.t) = (steps + 1, self.t, next);
+            let Some(changed) = diagram.outputs_plainly(self.t, &self.x) else { break End::Unmet };
+            self.majors += 1;
+            if !rows.take(&diagram.signals) {
+                break End::NotFinite;
+            }
+            if changed {
+                diagram.settle.changed = true;
+                break End::Changed;
+            }
+            observer.row(self.t, &rows.values);
+            _ = grid.pass(self.t);
+            is_over = self.unasked >= PATIENCE || observer.is_waiting(self.t);
+            self.unasked += u32::from(!is_over);
+        };
+        self.stepper.iter_mut().for_each(|stepper| stepper.made(steps, before, self.t));
+        match end {
+            End::Due => return Ok(is_over),
+            End::Unmet => self.major(Arrival::default(), observer)?,
+            End::NotFinite => {
+                self.complete()?;
+                return Err(diagnose::not_finite(&self.schedule, &self.diagram, &self.x));
+            }
+            End::Changed => {
+                self.report_modes(false, observer);
+                observer.row(self.t, &self.rows.values);
+                self.grid.iter_mut().for_each(|grid| _ = grid.pass(self.t));
+            }
+        }
+        Ok(true)
     }
 
     /// A major step at which nothing is due.
