@@ -7,15 +7,24 @@ use std::collections::{HashMap, HashSet};
 pub type Map<K, V> = HashMap<K, V, foldhash::fast::FixedState>;
 pub(crate) type Set<K> = HashSet<K, foldhash::fast::FixedState>;
 
-/// Makes a program anew: `place` takes each instruction, with its operands renamed already, and says which value stands for it.
-fn rewritten(program: &Program, mut place: impl FnMut(Instruction, &mut Vec<Instruction>) -> Id) -> Program {
-    let mut instructions = Vec::with_capacity(program.instructions.len());
-    let mut names: Vec<Id> = Vec::with_capacity(program.instructions.len());
-    for instruction in &program.instructions {
+/// Most instructions of a short program.
+const SHORT: usize = 16;
+
+/// Makes a program anew: `place` takes all but the instructions and each of these, with its operands renamed already, and says which
+/// value stands for it; the names so far are beside them.
+fn rewritten(
+    mut program: Program,
+    mut place: impl FnMut(&Program, &[Id], Instruction, &mut Vec<Instruction>) -> Id,
+) -> Program {
+    let old = std::mem::take(&mut program.instructions);
+    let mut instructions = Vec::with_capacity(old.len());
+    let mut names: Vec<Id> = Vec::with_capacity(old.len());
+    for instruction in old {
         let op = instruction.op.map(|id| names[id.at()]);
-        names.push(place(Instruction { op, ..instruction.clone() }, &mut instructions));
+        let id = place(&program, &names, Instruction { op, ..instruction }, &mut instructions);
+        names.push(id);
     }
-    let mut program = Program { instructions, ..program.clone() };
+    program.instructions = instructions;
     program.each_root(|id| *id = names[id.at()]);
     program
 }
@@ -27,8 +36,8 @@ fn push(instruction: Instruction, instructions: &mut Vec<Instruction>) -> Id {
 
 /// Puts the values of the parameters in their places.
 #[must_use]
-pub fn bind_parameters(program: &Program) -> Program {
-    rewritten(program, |mut instruction, instructions| {
+pub fn bind_parameters(program: Program) -> Program {
+    rewritten(program, |program, _, mut instruction, instructions| {
         if let Op::Parameter(index) = instruction.op {
             instruction.op = Op::constant(program.parameters[index as usize].1);
         }
@@ -39,22 +48,21 @@ pub fn bind_parameters(program: &Program) -> Program {
 /// Computes what needs constants alone, with the very functions of the interpreter. Choices whose condition is constant are made,
 /// requirements that always hold are dropped.
 #[must_use]
-pub fn fold_constants(program: &Program) -> Program {
-    let mut names: Vec<Id> = Vec::with_capacity(program.instructions.len());
-    let folded = rewritten(program, |instruction, instructions| {
-        let id = folded(instruction, program, &names, instructions);
-        names.push(id);
-        id
-    });
+pub fn fold_constants(program: Program) -> Program {
+    let mut folded =
+        rewritten(program, |program, names, instruction, new| folded(instruction, program, names, new));
+    let Program { requirements, kinks, turns, .. } = &mut folded;
+    let (mut required, mut kinked, mut turned) =
+        (std::mem::take(requirements), std::mem::take(kinks), std::mem::take(turns));
     let holds = |id: &Id| match folded.op(*id) {
         Op::Require(_, holds, _) => folded.op(holds).as_constant().is_some_and(|value| value != 0.0),
         _ => false,
     };
     let changes = |id: &Id| folded.op(*id).as_constant().is_none();
-    let requirements = folded.requirements.iter().filter(|id| !holds(id)).copied().collect();
-    let kinks = folded.kinks.iter().filter(|kink| changes(&kink.value)).cloned().collect();
-    let turns = folded.turns.iter().filter(|id| changes(id)).copied().collect();
-    Program { requirements, kinks, turns, ..folded }
+    required.retain(|id| !holds(id));
+    kinked.retain(|kink| changes(&kink.value));
+    turned.retain(changes);
+    Program { requirements: required, kinks: kinked, turns: turned, ..folded }
 }
 
 /// What stands for an instruction whose operands are folded; `names` are the new values of those before it.
@@ -101,21 +109,26 @@ fn folded(
 
 /// Computes equal expressions once; the place is that of the first. Modes that choose the same become one.
 #[must_use]
-pub fn share_equal(program: &Program) -> Program {
+pub fn share_equal(program: Program) -> Program {
     let mut known: Map<Op, Id> = Map::default();
     let mut held: Map<Id, Id> = Map::default();
-    let mut names: Vec<Id> = Vec::with_capacity(program.instructions.len());
-    let mut shared = rewritten(program, |instruction, instructions| {
+    // Most laws of blocks are so short that to look through them is quicker than a map.
+    let is_short = program.instructions.len() <= SHORT;
+    let mut shared = rewritten(program, |program, names, instruction, instructions| {
         let op = instruction.op;
-        let add = || *known.entry(op).or_insert_with(|| push(instruction, instructions));
-        let id = match op {
+        let add = || {
+            if !is_short {
+                return *known.entry(op).or_insert_with(|| push(instruction, instructions));
+            }
+            let at = instructions.iter().position(|known| known.op == op);
+            at.map_or_else(|| push(instruction, instructions), |at| Id(at as u32))
+        };
+        match op {
             Op::Mode(index) => {
                 *held.entry(names[program.modes[index as usize].value.at()]).or_insert_with(add)
             }
             _ => add(),
-        };
-        names.push(id);
-        id
+        }
     });
     let mut seen = Set::default();
     shared.requirements.retain(|id| seen.insert(*id));
@@ -129,7 +142,7 @@ pub fn share_equal(program: &Program) -> Program {
 /// Drops what neither an output nor a derivative, memory, mode, guard or requirement needs, and modes that nothing reads; those that are
 /// left are numbered anew.
 #[must_use]
-pub fn drop_unused(program: &Program) -> Program {
+pub fn drop_unused(mut program: Program) -> Program {
     // A mode counts if something reads it that counts itself; kinks, turns and requirements always do.
     let n = program.instructions.len();
     let mut used = vec![false; n];
@@ -161,13 +174,10 @@ pub fn drop_unused(program: &Program) -> Program {
             Some(number)
         })
         .collect();
-    let mut kept = program.clone();
     let mut which = modes.iter();
-    kept.modes.retain(|_| which.next() == Some(&true));
-    let mut at = 0;
-    rewritten(&kept, |mut instruction, instructions| {
-        at += 1;
-        if !used[at - 1] {
+    program.modes.retain(|_| which.next() == Some(&true));
+    rewritten(program, |_, names, mut instruction, instructions| {
+        if !used[names.len()] {
             return Id(u32::MAX);
         }
         if let Op::Mode(index) = &mut instruction.op {
@@ -179,14 +189,9 @@ pub fn drop_unused(program: &Program) -> Program {
 
 /// Reads values as they are at the moment in the place of those that modes hold: what the modes of a major step are chosen by.
 #[must_use]
-pub fn release_modes(program: &Program) -> Program {
-    let mut values: Vec<Id> = Vec::with_capacity(program.instructions.len());
-    rewritten(program, |instruction, instructions| {
-        let id = match instruction.op {
-            Op::Mode(index) => values[program.modes[index as usize].value.at()],
-            _ => push(instruction, instructions),
-        };
-        values.push(id);
-        id
+pub fn release_modes(program: Program) -> Program {
+    rewritten(program, |program, names, instruction, instructions| match instruction.op {
+        Op::Mode(index) => names[program.modes[index as usize].value.at()],
+        _ => push(instruction, instructions),
     })
 }

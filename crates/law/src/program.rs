@@ -103,8 +103,8 @@ impl Program {
 
     /// Constants folded, equal expressions computed once, nothing that nobody asks for.
     #[must_use]
-    pub fn optimised(&self) -> Self {
-        passes::drop_unused(&passes::share_equal(&passes::fold_constants(self)))
+    pub fn optimised(self) -> Self {
+        passes::drop_unused(passes::share_equal(passes::fold_constants(self)))
     }
 
     /// Whether each value is true or false rather than a number.

@@ -20,7 +20,7 @@ pub struct Draft {
 impl Draft {
     /// A program whose outputs are wanted anywhere, without what is there twice.
     pub fn of(program: &Program) -> Self {
-        let program = program.optimised();
+        let program = program.clone().optimised();
         let values = program.outputs.iter().map(|(_, id)| Root::Anywhere(*id));
         let met = program.requirements.iter().map(|id| Root::Met(*id));
         let roots = values.chain(met).collect();

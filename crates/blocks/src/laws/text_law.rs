@@ -22,7 +22,7 @@ impl TextLaw {
     /// # Errors
     /// A part of it never has a value.
     pub fn new(program: &Program, param: &str, text: &str) -> Result<Self, ParamError> {
-        let program = passes::bind_parameters(program).optimised();
+        let program = passes::bind_parameters(program.clone()).optimised();
         for id in &program.requirements {
             if let blocksim_law::Op::Require(domain, holds, about) = program.op(*id)
                 && program.op(holds).as_constant() == Some(0.0)

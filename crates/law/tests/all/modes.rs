@@ -26,7 +26,7 @@ impl Bench {
 
     /// The output at a major step.
     fn major(&mut self, u: f64) -> f64 {
-        let released = passes::release_modes(&self.program);
+        let released = passes::release_modes(self.program.clone());
         self.modes = self.values(&released, &released.mode_values(), u);
         self.minor(u)
     }

@@ -49,7 +49,7 @@ fn constants_are_folded_once_parameters_are_bound() {
         %8: real = exp %0    // 0..21
         output y = %7
     "#]]
-    .assert_eq(&passes::fold_constants(&passes::bind_parameters(&sample())).to_string());
+    .assert_eq(&passes::fold_constants(passes::bind_parameters(sample())).to_string());
 }
 
 #[test]
@@ -65,12 +65,12 @@ fn the_same_expression_is_computed_once() {
         %7: real = exp %0    // 0..21
         output y = %6
     "#]]
-    .assert_eq(&passes::share_equal(&sample()).to_string());
+    .assert_eq(&passes::share_equal(sample()).to_string());
 }
 
 #[test]
 fn what_nobody_asks_for_is_dropped() {
-    let dropped = passes::drop_unused(&sample());
+    let dropped = passes::drop_unused(sample());
     assert_eq!(dropped.instructions.len(), sample().instructions.len() - 1);
     assert!(!dropped.to_string().contains("exp"));
     expect![[r#"
@@ -81,7 +81,7 @@ fn what_nobody_asks_for_is_dropped() {
         %4: real = %1 + %3    // 0..21
         output y = %4
     "#]]
-    .assert_eq(&passes::bind_parameters(&sample()).optimised().to_string());
+    .assert_eq(&passes::bind_parameters(sample()).optimised().to_string());
 }
 
 #[test]

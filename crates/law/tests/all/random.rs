@@ -225,7 +225,7 @@ fn program(tree: &Tree, p: [f64; 2]) -> Program {
 /// The output where modes are chosen anew, as at a major step.
 fn value(program: &Program, u: &[f64], p: &[f64]) -> f64 {
     let mut modes = vec![0.0; program.modes.len()];
-    let released = passes::release_modes(program);
+    let released = passes::release_modes(program.clone());
     let chosen = Code::new(&released, &released.mode_values());
     let mut registers = vec![f64::NAN; chosen.registers()];
     chosen.run(&Sources { inputs: u, parameters: p, ..Sources::default() }, &mut registers);
@@ -248,14 +248,14 @@ fn programs_and_all_passes_give_the_bits_of_a_walk_over_the_tree() {
         let tree = tree(&mut dice, 1 + case % 7);
         let p = [dice.number(), dice.number()];
         let raw = program(&tree, p);
-        let bound = passes::bind_parameters(&raw);
+        let bound = passes::bind_parameters(raw.clone());
         let stages = [
-            passes::fold_constants(&raw),
-            passes::share_equal(&raw),
-            passes::drop_unused(&raw),
+            passes::fold_constants(raw.clone()),
+            passes::share_equal(raw.clone()),
+            passes::drop_unused(raw.clone()),
             bound.clone(),
-            bound.optimised(),
-            raw.optimised(),
+            bound.clone().optimised(),
+            raw.clone().optimised(),
             raw.clone(),
         ];
         shorter += usize::from(bound.optimised().instructions.len() < raw.instructions.len());
@@ -283,8 +283,8 @@ fn passes_that_are_done_change_nothing_more() {
     let mut dice = Dice(77);
     for case in 0..300 {
         let tree = tree(&mut dice, 1 + case % 6);
-        let once = passes::bind_parameters(&program(&tree, [1.5, -0.25])).optimised();
-        assert_eq!(once.optimised(), once, "{tree:?}");
+        let once = passes::bind_parameters(program(&tree, [1.5, -0.25])).optimised();
+        assert_eq!(once.clone().optimised(), once, "{tree:?}");
     }
 }
 
@@ -299,7 +299,7 @@ fn slopes_agree_with_differences_where_the_law_is_smooth() {
         let u = [0.731 + dice.number() / 5.0, -0.417 + dice.number() / 5.0, 1.113];
         let at = |u: &[f64]| walk(&tree, u, &p);
         let mut modes = vec![0.0; program.modes.len()];
-        let released = passes::release_modes(&program);
+        let released = passes::release_modes(program.clone());
         let chosen = Code::new(&released, &released.mode_values());
         let mut registers = vec![0.0; chosen.registers()];
         chosen.run(&Sources { inputs: &u, parameters: &p, ..Sources::default() }, &mut registers);
@@ -352,7 +352,7 @@ fn tapes_write_where_they_are_told_also_over_what_they_read() {
             let tree = tree(&mut dice, 1 + case % 5);
             recorder.output(&format!("y{k}"), record(&tree, &u, &held, &recorder));
         }
-        let program = passes::release_modes(&recorder.finish()).optimised();
+        let program = passes::release_modes(recorder.finish()).optimised();
         let (inputs, memories) = ([(); 3].map(|()| dice.number()), [(); 2].map(|()| dice.number()));
         let code = Code::new(&program, &program.output_values());
         let mut registers = vec![f64::NAN; code.registers()];

@@ -635,6 +635,6 @@ fn code(law: &Changing, wanted: &[Id], [inputs, states, _]: [usize; 3]) -> Code 
         Op::Parameter(i) => Some(Op::constant(law.slopes[i as usize])),
         _ => None,
     };
-    let found = passes::bind_parameters(&rates(&alone, &seed)).optimised();
+    let found = passes::bind_parameters(rates(&alone, &seed)).optimised();
     Code::new(&found, &found.output_values())
 }
