@@ -1,4 +1,6 @@
-//! Unknowns of a model that costs a run for each look at it, by least squares.
+//! Unknowns of a model that is not linear in them, by least squares: of one that costs a run for each look at it, or of a formula.
+
+use std::convert::Infallible;
 
 use nalgebra::DMatrix;
 
@@ -65,7 +67,8 @@ const MOST_DAMPING: f64 = 1e12;
 /// The unknowns for which the sum of squares of `weights * (values - model)` is least, from a start, by the method of Levenberg and
 /// Marquardt. A step to where the model has no values is taken back, as one to worse values.
 ///
-/// Source: as of [`nonlinear_least_squares`](crate::nonlinear_least_squares).
+/// Source: D. W. Marquardt, *An Algorithm for Least-Squares Estimation of Nonlinear Parameters*, SIAM Journal 11 (1963);
+/// the damping is that of K. Madsen, H. B. Nielsen, O. Tingleff, *Methods for Non-Linear Least Squares Problems* (2004).
 ///
 /// # Errors
 /// See [`Stopped`]; [`IdentifyError::NotSettled`] after `most` steps, [`IdentifyError::Dependent`] where unknowns cannot be told apart.
@@ -156,6 +159,55 @@ pub fn fit<M: Model>(
     let stalled = !at_edge && !is_rounding && fit.freedom > 0 && now - promised > PROMISED * now;
     let correlations = correlations(&slopes, weights);
     Ok(Fitted { fit, values: y, before, steps, at_edge, stalled, correlations })
+}
+
+/// A formula for values and slopes.
+struct Formula<F> {
+    rows: usize,
+    model: F,
+}
+
+impl<F: Fn(&[f64], &mut [f64], &mut [f64])> Formula<F> {
+    /// Values, and derivatives row by row.
+    fn at(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (mut y, mut slopes) = (vec![0.0; self.rows], vec![0.0; self.rows * x.len()]);
+        (self.model)(x, &mut y, &mut slopes);
+        (y, slopes)
+    }
+}
+
+impl<F: Fn(&[f64], &mut [f64], &mut [f64])> Model for Formula<F> {
+    type Error = Infallible;
+
+    fn values(&mut self, x: &[f64]) -> Result<Option<Vec<f64>>, Infallible> {
+        Ok(Some(self.at(x).0))
+    }
+
+    fn slopes(&mut self, x: &[f64]) -> Result<DMatrix<f64>, Infallible> {
+        Ok(DMatrix::from_row_slice(self.rows, x.len(), &self.at(x).1))
+    }
+}
+
+/// Finds the `x` for which the sum of squares of `values - model(x)` is least, from a start, as [`fit()`] does. `model` writes its
+/// values and its derivatives, row-major: one row for each value.
+///
+/// # Errors
+/// As [`least_squares`], or [`IdentifyError::NotSettled`].
+pub fn nonlinear_least_squares(
+    values: &[f64],
+    start: &[f64],
+    model: impl Fn(&[f64], &mut [f64], &mut [f64]),
+) -> Result<Fit, IdentifyError> {
+    /// Far more than a sound fit needs.
+    const STEPS: usize = 500;
+    let rows = values.len();
+    match fit(values, &vec![1.0; rows], start, STEPS, &mut Formula { rows, model }) {
+        Ok(fitted) => Ok(fitted.fit),
+        Err(Stopped::Numbers(error)) => Err(error),
+        Err(Stopped::Model(never)) => match never {},
+        // A formula has values everywhere.
+        Err(Stopped::NoStart) => Err(IdentifyError::NotSettled { steps: 0 }),
+    }
 }
 
 /// Correlation of the estimates of each pair of unknowns, from the slopes of the values by them; NaN where they cannot be told apart.
@@ -296,5 +348,23 @@ mod tests {
         let values: Vec<f64> = (0..5).map(|k| 6.0 * k as f64).collect();
         let found = fit(&values, &[1.0; 5], &[1.0, 1.0], 50, &mut Product);
         assert!(matches!(found, Err(Stopped::Numbers(IdentifyError::Dependent { .. }))), "{found:?}");
+    }
+
+    #[test]
+    fn a_nonlinear_fit_finds_the_decay_that_made_the_data() {
+        let t: Vec<f64> = (0..30).map(|i| 0.1 * f64::from(i)).collect();
+        let values: Vec<f64> = t.iter().map(|t| 2.0 * (-1.5 * t).exp() + 0.3).collect();
+        let model = |x: &[f64], y: &mut [f64], slopes: &mut [f64]| {
+            for (i, t) in t.iter().enumerate() {
+                let decay = (-x[1] * t).exp();
+                y[i] = x[0] * decay + x[2];
+                slopes[3 * i..3 * i + 3].copy_from_slice(&[decay, -x[0] * t * decay, 1.0]);
+            }
+        };
+        let fit = nonlinear_least_squares(&values, &[1.0, 0.5, 0.0], model).unwrap();
+        for (found, expected) in fit.estimates.iter().zip([2.0, 1.5, 0.3]) {
+            assert!((found.value - expected).abs() < 1e-9, "{found:?} is not {expected}");
+        }
+        assert!(fit.residual < 1e-10);
     }
 }

@@ -5,7 +5,8 @@
 use nalgebra::DMatrix;
 
 use crate::error::IdentifyError;
-use crate::least_squares::{Estimate, Fit, finite, least_squares, nonlinear_least_squares};
+use crate::fit::nonlinear_least_squares;
+use crate::least_squares::{Estimate, Fit, finite, least_squares};
 
 /// Mean torque of an axis while it moves at a constant speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -224,8 +225,8 @@ pub fn curve(points: &[Point], train: &Train) -> Result<CurveFit, IdentifyError>
             slopes[5 * i..5 * i + 5].copy_from_slice(&row);
         }
     };
-    let (x, fit) = nonlinear_least_squares(&torques, &start, model)?;
-    let velocity = x[4].exp();
+    let fit = nonlinear_least_squares(&torques, &start, model)?;
+    let velocity = fit.estimates[4].value.exp();
     Ok(CurveFit {
         viscous: fit.estimates[0],
         coulomb: fit.estimates[1],

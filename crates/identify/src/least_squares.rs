@@ -112,79 +112,6 @@ fn estimate(value: f64, error: f64, freedom: usize) -> Estimate {
     Estimate { value, error, interval }
 }
 
-/// Finds the `x` for which the sum of squares of `values - model(x)` is least, from a start, by Levenberg's and Marquardt's
-/// method. `model` writes its values and its derivatives, row-major: one row for each value.
-///
-/// Source: D. W. Marquardt, *An Algorithm for Least-Squares Estimation of Nonlinear Parameters*, SIAM Journal 11 (1963);
-/// the damping is that of K. Madsen, H. B. Nielsen, O. Tingleff, *Methods for Non-Linear Least Squares Problems* (2004).
-///
-/// # Errors
-/// As [`least_squares`], or [`IdentifyError::NotSettled`].
-pub fn nonlinear_least_squares(
-    values: &[f64],
-    start: &[f64],
-    model: impl Fn(&[f64], &mut [f64], &mut [f64]),
-) -> Result<(Vec<f64>, Fit), IdentifyError> {
-    /// Far more than a sound fit needs.
-    const STEPS: usize = 500;
-    let (rows, unknowns) = (values.len(), start.len());
-    if rows < unknowns {
-        return Err(IdentifyError::TooFew { values: rows, unknowns });
-    }
-    finite("value", values)?;
-    let mut x = start.to_vec();
-    let (mut y, mut slopes) = (vec![0.0; rows], vec![0.0; rows * unknowns]);
-    let misfit = |y: &[f64]| DVector::from_fn(rows, |i, _| values[i] - y[i]);
-    model(&x, &mut y, &mut slopes);
-    let (mut damping, mut growth) = (1e-3, 2.0);
-    for step in 0.. {
-        if step == STEPS {
-            return Err(IdentifyError::NotSettled { steps: STEPS });
-        }
-        let jacobian = DMatrix::from_row_slice(rows, unknowns, &slopes);
-        let rest = misfit(&y);
-        let gradient = jacobian.tr_mul(&rest);
-        let normal = jacobian.tr_mul(&jacobian);
-        let mut damped = normal.clone();
-        for j in 0..unknowns {
-            damped[(j, j)] += damping * normal[(j, j)].max(f64::MIN_POSITIVE);
-        }
-        let Some(change) = damped.cholesky().map(|factor| factor.solve(&gradient)) else {
-            (damping, growth) = (damping * growth, 2.0 * growth);
-            continue;
-        };
-        let next: Vec<f64> = x.iter().zip(change.iter()).map(|(x, change)| x + change).collect();
-        let (mut next_y, mut next_slopes) = (vec![0.0; rows], vec![0.0; rows * unknowns]);
-        model(&next, &mut next_y, &mut next_slopes);
-        let (before, after) = (rest.norm_squared(), misfit(&next_y).norm_squared());
-        let expected: f64 = 0.5
-            * (0..unknowns)
-                .map(|j| change[j] * (damping * normal[(j, j)] * change[j] + gradient[j]))
-                .sum::<f64>();
-        let is_small =
-            x.iter().zip(change.iter()).all(|(x, change)| change.abs() <= 1e-12 * (x.abs() + 1e-12));
-        if after <= before {
-            (x, y, slopes) = (next, next_y, next_slopes);
-            let gain = 0.5 * (before - after) / expected.max(f64::MIN_POSITIVE);
-            damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
-            growth = 2.0;
-        } else {
-            (damping, growth) = (damping * growth, 2.0 * growth);
-        }
-        if is_small || damping > 1e16 {
-            break;
-        }
-    }
-    let jacobian = DMatrix::from_row_slice(rows, unknowns, &slopes);
-    let rest: Vec<f64> = misfit(&y).iter().copied().collect();
-    // The linear fit of what is left gives the accuracy; its values are the change of one more step.
-    let mut fit = least_squares(&jacobian, &rest, &[])?;
-    for (estimate, x) in fit.estimates.iter_mut().zip(&x) {
-        estimate.value = *x;
-    }
-    Ok((x, fit))
-}
-
 pub(crate) fn finite(what: &'static str, values: &[f64]) -> Result<(), IdentifyError> {
     match values.iter().position(|x| !x.is_finite()) {
         Some(index) => Err(IdentifyError::NotFinite { what, index }),
@@ -239,24 +166,6 @@ mod tests {
         }
         // 1900 with a standard deviation of 9.7.
         assert!((1860..=1940).contains(&held), "{held} of 2000");
-    }
-
-    #[test]
-    fn a_nonlinear_fit_finds_the_decay_that_made_the_data() {
-        let t: Vec<f64> = (0..30).map(|i| 0.1 * f64::from(i)).collect();
-        let values: Vec<f64> = t.iter().map(|t| 2.0 * (-1.5 * t).exp() + 0.3).collect();
-        let model = |x: &[f64], y: &mut [f64], slopes: &mut [f64]| {
-            for (i, t) in t.iter().enumerate() {
-                let decay = (-x[1] * t).exp();
-                y[i] = x[0] * decay + x[2];
-                slopes[3 * i..3 * i + 3].copy_from_slice(&[decay, -x[0] * t * decay, 1.0]);
-            }
-        };
-        let (x, fit) = nonlinear_least_squares(&values, &[1.0, 0.5, 0.0], model).unwrap();
-        for (x, expected) in x.iter().zip([2.0, 1.5, 0.3]) {
-            assert!((x - expected).abs() < 1e-9, "{x} is not {expected}");
-        }
-        assert!(fit.residual < 1e-10);
     }
 
     #[test]
