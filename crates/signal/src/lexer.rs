@@ -139,12 +139,18 @@ fn stray(text: &str, c: char, span: Range<usize>, compares: bool) -> ExprError {
         '"' | '\'' => error.help("an expression holds no quoted text; write the name without quotes"),
         '=' if compares => error.help("write == to compare; the text is the value itself, without `y =`"),
         '&' | '|' | '!' | '?' if compares => error.help("write and(a, b), or(a, b), not(a), if(a, b, c)"),
+        '=' if text[..span.start].trim().is_empty() => {
+            error.help("leave it out: the text is an expression already")
+        }
         '=' | '<' | '>' | '!' | '&' | '|' | '?' => error.help("an expression computes; it does not compare"),
         ';' if text[span.end..].starts_with(|c: char| c.is_ascii_digit()) => {
             error.help("items are separated by `,`")
         }
         '{' | '}' => error.help("use ( ) to group and [ ] for lists"),
-        _ => error,
+        '$' | '@' | '#' => error.help("a name is written as it is, without a sign before it"),
+        _ => error.help(
+            "an expression consists of numbers with units, names, + - * / ^, and functions such as sin(...)",
+        ),
     }
 }
 

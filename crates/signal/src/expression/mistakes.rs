@@ -22,7 +22,12 @@ impl<M: Meaning> Parser<'_, M> {
                 error.help(format!("a unit stands behind a number or a parenthesis, as in (x) {word}"))
             }
             Token::Number(_) | Token::Word(_) => {
-                ExprError::new(self.span(), format!("expected an operator before `{written}`"))
+                let error = ExprError::new(self.span(), format!("expected an operator before `{written}`"));
+                error.help(format!("write what is to be done with both, as in ... * {written}"))
+            }
+            Token::Sign('*' | '/' | '^' | ',') => {
+                let error = ExprError::new(self.span(), format!("unexpected `{written}`"));
+                error.help("a number or a name is missing before it")
             }
             _ => ExprError::new(self.span(), format!("unexpected `{written}`")),
         }

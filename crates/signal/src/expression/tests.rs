@@ -304,6 +304,8 @@ fn a_decimal_comma_is_recognised() {
 
 #[test]
 fn mistakes_of_form_are_shown_where_they_are() {
+    let parts =
+        "an expression consists of numbers with units, names, + - * / ^, and functions such as sin(...)";
     let closes = "there is no `(` that it closes, or a value is missing before it";
     refused(&[
         ("", 0..0, "empty expression", "write a number, such as 0"),
@@ -313,8 +315,8 @@ fn mistakes_of_form_are_shown_where_they_are() {
         ("[1, 2", 0..1, "`[` is not closed", "add `]`"),
         ("1 + 2)", 5..6, "unexpected `)`", closes),
         ("()", 1..2, "unexpected `)`", closes),
-        ("1 2", 2..3, "expected an operator before `2`", ""),
-        ("x y", 2..3, "expected an operator before `y`", ""),
+        ("1 2", 2..3, "expected an operator before `2`", "write what is to be done with both, as in ... * 2"),
+        ("x y", 2..3, "expected an operator before `y`", "write what is to be done with both, as in ... * y"),
         (
             "r mm",
             2..4,
@@ -323,9 +325,11 @@ fn mistakes_of_form_are_shown_where_they_are() {
         ),
         ("1 +", 3..3, "the expression ends too early", "a number or a name is missing at the end"),
         ("2 ** 3", 3..4, "unexpected `*`", "a power is written ^"),
-        ("* 2", 0..1, "unexpected `*`", ""),
+        ("* 2", 0..1, "unexpected `*`", "a number or a name is missing before it"),
+        ("=2 * 3", 0..1, "unexpected character `=`", "leave it out: the text is an expression already"),
+        ("2 * $k", 4..5, "unexpected character `$`", "a name is written as it is, without a sign before it"),
         ("axis.", 5..5, "expected the name of a member after `.`", ""),
-        ("1; 2", 1..2, "unexpected character `;`", ""),
+        ("1; 2", 1..2, "unexpected character `;`", parts),
         ("atan2(1)", 0..8, "`atan2` takes 2 arguments, not 1", ""),
         ("sin(1, 5)", 0..9, "`sin` takes one argument, not 2", "a decimal number is written with a point"),
         ("sin()", 0..5, "`sin` takes one argument, not 0", ""),
