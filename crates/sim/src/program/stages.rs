@@ -68,76 +68,104 @@ impl Stages {
         Self { rows: rows.collect(), fours: derivatives.chunks(4).map(four).collect() }
     }
 
-    /// Begins a step at `x`.
+    /// Makes a step from `x`, of size `h`: `derive` takes the number of a stage and the states at it (none at the first, at which they are
+    /// in their places), and gives the signals with the derivatives, or nothing where there are none. Writes the states at the end to
+    /// `x`, if all are finite; returns whether there are such.
     #[inline]
-    pub fn begin(&mut self, x: &[f64]) {
-        let (fours, rest) = x.as_chunks::<4>();
-        self.fours.iter_mut().zip(fours).for_each(|(four, x)| four.from = *x);
-        for four in self.fours.get_mut(fours.len()..).into_iter().flatten() {
-            four.from.iter_mut().zip(rest).for_each(|(from, x)| *from = *x);
+    pub fn step(&mut self, h: f64, x: &mut [f64], derive: impl Derive) -> bool {
+        let Self { rows, fours } = self;
+        match &mut fours[..] {
+            // Of a known number all loops over them are gone, and most systems are as small.
+            [four] => step(std::array::from_mut(four), rows, h, x, derive),
+            fours => step(fours, rows, h, x, derive),
         }
     }
+}
 
-    /// Takes the derivatives of a stage and adds up what follows it.
-    #[inline]
-    pub fn add(&mut self, stage: usize, h: f64, signals: &[f64]) {
-        let Row { first, before, last } = self.rows[stage];
-        // Of known length the sum is a line of code, and most rows are short.
-        match *before {
-            [] => self.sum(stage, first, [], h * last, signals),
-            [a] => self.sum(stage, first, [h * a], h * last, signals),
-            [a, b] => self.sum(stage, first, [h * a, h * b], h * last, signals),
-            [a, b, c] => self.sum(stage, first, [h * a, h * b, h * c], h * last, signals),
-            [a, b, c, d] => self.sum(stage, first, [h * a, h * b, h * c, h * d], h * last, signals),
-            [a, b, c, d, e] => {
-                self.sum(stage, first, [h * a, h * b, h * c, h * d, h * e], h * last, signals);
-            }
-            _ => unreachable!("a method has no more than {MOST} stages"),
+/// Finds derivatives.
+pub(crate) trait Derive {
+    /// Puts states where derivatives are found from them.
+    fn place<'f>(&mut self, stage: usize, states: impl Iterator<Item = &'f [f64; 4]>);
+
+    /// The signals with the derivatives at a stage whose states are in their places.
+    fn signals(&mut self) -> Option<&[f64]>;
+}
+
+#[inline(always)]
+fn step(fours: &mut [Four], rows: &[Row], h: f64, x: &mut [f64], mut derive: impl Derive) -> bool {
+    begin(fours, x);
+    for (stage, row) in rows.iter().enumerate() {
+        if stage > 0 {
+            derive.place(stage, fours.iter().map(|four| &four.to));
+        }
+        let Some(signals) = derive.signals() else { return false };
+        add(fours, row, stage, h, signals);
+    }
+    end(fours, x)
+}
+
+/// Begins a step at `x`.
+#[inline(always)]
+fn begin(fours: &mut [Four], x: &[f64]) {
+    let (whole, rest) = x.as_chunks::<4>();
+    fours.iter_mut().zip(whole).for_each(|(four, x)| four.from = *x);
+    for four in fours.get_mut(whole.len()..).into_iter().flatten() {
+        four.from.iter_mut().zip(rest).for_each(|(from, x)| *from = *x);
+    }
+}
+
+/// Takes the derivatives of a stage and adds up what follows it.
+#[inline(always)]
+fn add(fours: &mut [Four], row: &Row, stage: usize, h: f64, signals: &[f64]) {
+    let Row { first, before, last } = *row;
+    let last = h * last;
+    // Of known length the sum is a line of code, and most rows are short.
+    match *before {
+        [] => sum(fours, stage, first, [], last, signals),
+        [a] => sum(fours, stage, first, [h * a], last, signals),
+        [a, b] => sum(fours, stage, first, [h * a, h * b], last, signals),
+        [a, b, c] => sum(fours, stage, first, [h * a, h * b, h * c], last, signals),
+        [a, b, c, d] => sum(fours, stage, first, [h * a, h * b, h * c, h * d], last, signals),
+        [a, b, c, d, e] => sum(fours, stage, first, [h * a, h * b, h * c, h * d, h * e], last, signals),
+        _ => unreachable!("a method has no more than {MOST} stages"),
+    }
+}
+
+/// The same with the weights of the stages from `first` on.
+#[inline(always)]
+fn sum<const N: usize>(
+    fours: &mut [Four],
+    stage: usize,
+    first: usize,
+    weights: [f64; N],
+    last: f64,
+    signals: &[f64],
+) {
+    for Four { cells, from, to, k } in fours {
+        let new = cells.map(|cell| signals[cell as usize]);
+        let mut sums = *from;
+        let Some(known) = k[first..].first_chunk::<N>() else { return };
+        for (weight, k) in weights.iter().zip(known) {
+            sums.iter_mut().zip(k).for_each(|(sum, k)| *sum += weight * k);
+        }
+        sums.iter_mut().zip(&new).for_each(|(sum, k)| *sum += last * k);
+        (k[stage], *to) = (new, sums);
+    }
+}
+
+/// Writes the states at the end to `x`, if all are finite; returns whether they are.
+#[inline(always)]
+fn end(fours: &[Four], x: &mut [f64]) -> bool {
+    let finite = fours.iter().all(|four| are_finite(&four.to));
+    if finite {
+        let (whole, rest) = x.as_chunks_mut::<4>();
+        let count = whole.len();
+        whole.iter_mut().zip(fours).for_each(|(x, four)| *x = four.to);
+        for four in fours.iter().skip(count) {
+            rest.iter_mut().zip(&four.to).for_each(|(x, to)| *x = *to);
         }
     }
-
-    /// The same with the weights of the stages from `first` on.
-    #[inline]
-    fn sum<const N: usize>(
-        &mut self,
-        stage: usize,
-        first: usize,
-        weights: [f64; N],
-        last: f64,
-        signals: &[f64],
-    ) {
-        for Four { cells, from, to, k } in &mut self.fours {
-            let new = cells.map(|cell| signals[cell as usize]);
-            let mut sums = *from;
-            let Some(known) = k[first..].first_chunk::<N>() else { return };
-            for (weight, k) in weights.iter().zip(known) {
-                sums.iter_mut().zip(k).for_each(|(sum, k)| *sum += weight * k);
-            }
-            sums.iter_mut().zip(&new).for_each(|(sum, k)| *sum += last * k);
-            (k[stage], *to) = (new, sums);
-        }
-    }
-
-    /// The states at the next stage, or at the end; behind the last one are some that were made up.
-    #[inline]
-    pub fn states(&self) -> impl Iterator<Item = &[f64; 4]> {
-        self.fours.iter().map(|four| &four.to)
-    }
-
-    /// Writes the states at the end to `x`, if all are finite; returns whether they are.
-    #[inline]
-    pub fn end(&self, x: &mut [f64]) -> bool {
-        let are_finite = self.states().all(|to| are_finite(to));
-        if are_finite {
-            let (fours, rest) = x.as_chunks_mut::<4>();
-            let count = fours.len();
-            fours.iter_mut().zip(self.states()).for_each(|(x, to)| *x = *to);
-            for to in self.states().skip(count) {
-                rest.iter_mut().zip(to).for_each(|(x, to)| *x = *to);
-            }
-        }
-        are_finite
-    }
+    finite
 }
 
 #[cfg(test)]
@@ -152,16 +180,16 @@ mod tests {
             methods.map(|method| method(1, 1.0).weights()).into_iter().zip(1..20).cycle().take(95)
         {
             let cells: Vec<u32> = (0..n as u32).rev().collect();
-            let mut stages = Stages::new(weights, &cells, 0);
+            let Stages { mut fours, rows: own } = Stages::new(weights, &cells, 0);
             let x: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
             let (mut k, mut next, mut wanted) = (Vec::new(), vec![0.0; n], vec![0.0; n]);
-            stages.begin(&x);
+            begin(&mut fours, &x);
             let rows = weights.stages.iter().skip(1).chain([&weights.result]);
             for (stage, row) in rows.enumerate() {
                 let signals: Vec<f64> = (0..n).map(|i| ((i + 7 * stage) as f64).cos()).collect();
                 k.push(cells.iter().map(|cell| signals[*cell as usize]).collect::<Vec<_>>());
-                stages.add(stage, 0.1, &signals);
-                assert!(stages.end(&mut next));
+                add(&mut fours, &own[stage], stage, 0.1, &signals);
+                assert!(end(&fours, &mut next));
                 add_stages(&mut wanted, &x, 0.1, row, &k);
                 assert_eq!(next, wanted, "{n} states, stage {stage}");
             }
@@ -174,11 +202,11 @@ mod tests {
         for at in 0..6 {
             let mut signals = [1.0; 6];
             signals[at] = f64::INFINITY;
-            let mut stages = Stages::new(weights, &[0, 1, 2, 3, 4, 5], 0);
-            stages.begin(&[0.0; 6]);
-            stages.add(0, 1.0, &signals);
+            let Stages { mut fours, rows } = Stages::new(weights, &[0, 1, 2, 3, 4, 5], 0);
+            begin(&mut fours, &[0.0; 6]);
+            add(&mut fours, &rows[0], 0, 1.0, &signals);
             let mut x = [0.0; 6];
-            assert!(!stages.end(&mut x), "state {at}");
+            assert!(!end(&fours, &mut x), "state {at}");
             assert_eq!(x, [0.0; 6]);
         }
     }

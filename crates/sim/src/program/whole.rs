@@ -8,8 +8,8 @@ use blocksim_solve::Weights;
 
 use crate::evaluation::evaluate::Diagram;
 use crate::program::direct::{Direct, DirectDraft};
-use crate::program::fused::Laws;
-use crate::program::stages::{self, Stages};
+use crate::program::fused::{Laws, Layout};
+use crate::program::stages::{self, Derive, Stages};
 use crate::stepping::methods;
 
 /// Numbers that say how long a step is: its size and its end, as the parameters of the program.
@@ -170,23 +170,34 @@ impl Diagram {
             return is_done;
         }
         let Some(direct) = &fused.direct else { return false };
-        whole.stages.begin(x);
-        for (stage, node) in whole.nodes.iter().enumerate() {
-            if stage > 0 {
-                let (time, states) = fused.layout.point(signals);
-                *time = if *node == 1.0 { t1 } else { t + node * h };
-                states
-                    .as_chunks_mut::<4>()
-                    .0
-                    .iter_mut()
-                    .zip(whole.stages.states())
-                    .for_each(|(x, to)| *x = *to);
-            }
-            if !direct.meets(signals, d) {
-                return false;
-            }
-            whole.stages.add(stage, h, signals);
-        }
-        whole.stages.end(x)
+        let (nodes, layout) = (whole.nodes, &fused.layout);
+        whole.stages.step(h, x, Directly { direct, layout, nodes, t, t1, h, signals, d })
+    }
+}
+
+/// Derivatives by the tape that knows them from time and states.
+struct Directly<'d> {
+    direct: &'d Direct,
+    layout: &'d Layout,
+    nodes: &'static [f64],
+    t: f64,
+    t1: f64,
+    h: f64,
+    signals: &'d mut [f64],
+    d: &'d mut [f64],
+}
+
+impl Derive for Directly<'_> {
+    #[inline(always)]
+    fn place<'f>(&mut self, stage: usize, states: impl Iterator<Item = &'f [f64; 4]>) {
+        let (time, places) = self.layout.point(self.signals);
+        let node = self.nodes[stage];
+        *time = if node == 1.0 { self.t1 } else { self.t + node * self.h };
+        places.as_chunks_mut::<4>().0.iter_mut().zip(states).for_each(|(place, states)| *place = *states);
+    }
+
+    #[inline(always)]
+    fn signals(&mut self) -> Option<&[f64]> {
+        self.direct.meets(self.signals, self.d).then_some(&*self.signals)
     }
 }
