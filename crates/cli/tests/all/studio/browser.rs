@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use base64::Engine;
@@ -45,10 +45,13 @@ pub struct Page {
 }
 
 /// The program of the browser; nothing where none is installed, which is an error if one is required.
-fn installed() -> Option<&'static str> {
+pub fn installed() -> Option<&'static str> {
+    static FOUND: OnceLock<Option<&'static str>> = OnceLock::new();
     let works =
         |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success());
-    let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(works);
+    // To ask starts the browser.
+    let found =
+        *FOUND.get_or_init(|| ["chromium", "chromium-browser", "google-chrome"].into_iter().find(works));
     let required = std::env::var("BLOCKSIM_BROWSER").is_ok_and(|value| value == "required");
     assert!(found.is_some() || !required, "no Chromium is installed, and BLOCKSIM_BROWSER=required");
     found
@@ -135,11 +138,10 @@ impl Page {
     /// An empty page, if there is a browser.
     pub fn new() -> Option<Page> {
         let idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        // The question whether a browser is installed starts one.
         let mut browser = match idle.or_else(|| installed().map(Browser::start)) {
             Some(browser) => browser,
             None => {
-                let notice = "SKIPPED: no Chromium is installed; the studio was not looked at in a browser";
+                let notice = "SKIPPED: no Chromium is installed; the page was not looked at in a browser";
                 let _ = writeln!(std::io::stderr(), "{notice}");
                 return None;
             }
@@ -212,8 +214,9 @@ impl Page {
     fn answer(&mut self, method: &str, parameters: Value) -> Result<Value, Value> {
         let (complaints, tabs) = (&mut self.complaints, &self.tabs);
         let told = |message: &Value| {
-            let complains =
-                ["Runtime.exceptionThrown", "Log.entryAdded"].iter().any(|name| message["method"] == *name);
+            let complains = ["Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded"]
+                .iter()
+                .any(|name| message["method"] == *name);
             // A page that was closed before may have complained last.
             if complains && tabs.iter().any(|(_, session)| message["sessionId"] == *session.as_str()) {
                 complaints.push(message["params"].to_string());
