@@ -1,6 +1,6 @@
 //! Values in the page: on wires, in the table, as text and as a file; and the way to them.
 
-use crate::browser::{complaints, outcome, program, shown, with_script};
+use crate::browser::{answered, with_script};
 use blocksim_report::{
     Diagram, Drawing, Inspected, Level, Net, Panel, Probe, Report, Role, Rows, Series, Unseen, html,
 };
@@ -93,15 +93,7 @@ fn answer(name: &str, script: &str) -> Option<String> {
 
 /// What a script answers in a page.
 fn answer_of(report: &Report, name: &str, script: &str) -> Option<String> {
-    let (dom, said) = shown(
-        program()?,
-        &with_script(&html(report), script),
-        name,
-        &["--disable-gpu", "--window-size=1280,3000"],
-    );
-    assert!(complaints(&said).is_empty(), "{:?}", complaints(&said));
-    assert!(dom.contains("<div id=\"trouble\" role=\"alert\"></div>"), "{dom}");
-    Some(outcome(&dom))
+    answered(&with_script(&html(report), script), name, [1280, 3000])
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use base64::Engine;
@@ -14,6 +14,8 @@ use serde_json::{Value, json};
 
 /// How long a page may take for anything.
 const PATIENCE: Duration = Duration::from_secs(60);
+/// How long a page looks for something before it says that it is not there, ms.
+const LOOK: u32 = 500;
 
 /// A browser, and the pipes over which it is spoken with.
 struct Browser {
@@ -22,16 +24,18 @@ struct Browser {
     from: File,
     read: Vec<u8>,
     asked: u64,
+    /// The context and the target of its empty tab, if it has one. That stays, since a window is ten times the work of a page in it.
+    empty: Option<(String, String)>,
 }
 
-/// Browsers that have nothing to do: a start takes as long as many a test. What a page leaves behind goes with its context.
+/// Browsers that have nothing to do: a start takes as long as many a test.
 static IDLE: Mutex<Vec<Browser>> = Mutex::new(Vec::new());
 
 /// A page of a browser that nobody else uses meanwhile.
 pub struct Page {
     /// Until the page is closed.
     browser: Option<Browser>,
-    /// Where the page keeps what it remembers, apart from all others.
+    /// Where the page keeps what it remembers.
     context: String,
     session: String,
     /// Tabs of the browser: their targets and sessions.
@@ -41,10 +45,13 @@ pub struct Page {
 }
 
 /// The program of the browser; nothing where none is installed, which is an error if one is required.
-fn installed() -> Option<&'static str> {
+pub fn installed() -> Option<&'static str> {
+    static FOUND: OnceLock<Option<&'static str>> = OnceLock::new();
     let works =
         |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success());
-    let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(works);
+    // To ask starts the browser.
+    let found =
+        *FOUND.get_or_init(|| ["chromium", "chromium-browser", "google-chrome"].into_iter().find(works));
     let required = std::env::var("BLOCKSIM_BROWSER").is_ok_and(|value| value == "required");
     assert!(found.is_some() || !required, "no Chromium is installed, and BLOCKSIM_BROWSER=required");
     found
@@ -65,6 +72,13 @@ impl Browser {
                 "--headless",
                 "--no-sandbox",
                 "--disable-gpu",
+                // What a person may want and no test looks at: renderers in advance, pages kept to go back to, updates, extensions.
+                "--disable-background-networking",
+                "--disable-component-update",
+                "--disable-default-apps",
+                "--disable-extensions",
+                "--disable-features=BackForwardCache,OptimizationHints,SpareRendererForSitePerProcess,Translate",
+                "--disable-sync",
                 "--remote-debugging-pipe",
                 "--window-size=1300,900",
             ])
@@ -79,7 +93,7 @@ impl Browser {
         // In the order in which the shell opens them.
         let to = OpenOptions::new().write(true).open(folder.join("to")).expect("a pipe");
         let from = File::open(folder.join("from")).expect("a pipe");
-        Browser { child, to, from, read: Vec::new(), asked: 0 }
+        Browser { child, to, from, read: Vec::new(), asked: 0, empty: None }
     }
 
     fn message(&mut self) -> Value {
@@ -95,14 +109,14 @@ impl Browser {
         }
     }
 
-    /// What it answers; `told` takes what it reports meanwhile.
+    /// What it answers, or why it does not; `told` takes what it reports meanwhile.
     fn ask(
         &mut self,
         session: &str,
         method: &str,
         parameters: &Value,
         mut told: impl FnMut(&Value),
-    ) -> Value {
+    ) -> Result<Value, Value> {
         self.asked += 1;
         let mut request = json!({ "id": self.asked, "method": method, "params": parameters });
         if !session.is_empty() {
@@ -112,8 +126,8 @@ impl Browser {
         loop {
             let mut message = self.message();
             if message["id"] == self.asked {
-                assert!(message["error"].is_null(), "{method}: {}", message["error"]);
-                return message["result"].take();
+                let error = message["error"].take();
+                return if error.is_null() { Ok(message["result"].take()) } else { Err(error) };
             }
             told(&message);
         }
@@ -124,20 +138,25 @@ impl Page {
     /// An empty page, if there is a browser.
     pub fn new() -> Option<Page> {
         let idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let browser = match (idle, installed()) {
-            (Some(browser), _) => browser,
-            (None, Some(program)) => Browser::start(program),
-            (None, None) => {
-                let notice = "SKIPPED: no Chromium is installed; the studio was not looked at in a browser";
+        let mut browser = match idle.or_else(|| installed().map(Browser::start)) {
+            Some(browser) => browser,
+            None => {
+                let notice = "SKIPPED: no Chromium is installed; the page was not looked at in a browser";
                 let _ = writeln!(std::io::stderr(), "{notice}");
                 return None;
             }
         };
+        let empty = browser.empty.take();
         let (context, session, tabs) = (String::new(), String::new(), Vec::new());
         let mut page = Page { browser: Some(browser), context, session, tabs, complaints: Vec::new() };
-        let made = page.ask("Target.createBrowserContext", json!({}));
-        made["browserContextId"].as_str().expect("a context").clone_into(&mut page.context);
-        page.tab();
+        if let Some((context, target)) = empty {
+            page.context = context;
+            page.attach(target);
+        } else {
+            let made = page.ask("Target.createBrowserContext", json!({}));
+            made["browserContextId"].as_str().expect("a context").clone_into(&mut page.context);
+            page.tab();
+        }
         Some(page)
     }
 
@@ -149,10 +168,15 @@ impl Page {
         if self.tabs.is_empty() {
             (new["width"], new["height"]) = (1300.into(), 900.into());
         }
-        let target = self.ask("Target.createTarget", new)["targetId"].clone();
+        let made = self.ask("Target.createTarget", new);
+        self.attach(made["targetId"].as_str().expect("a target").to_owned());
+    }
+
+    fn attach(&mut self, target: String) {
+        self.session.clear();
         let attached = self.ask("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
-        self.session = attached["sessionId"].as_str().expect("a session").to_owned();
-        self.tabs.push((target.as_str().expect("a target").to_owned(), self.session.clone()));
+        attached["sessionId"].as_str().expect("a session").clone_into(&mut self.session);
+        self.tabs.push((target, self.session.clone()));
         for domain in ["Page", "Runtime", "Log"] {
             self.ask(&format!("{domain}.enable"), json!({}));
         }
@@ -184,10 +208,15 @@ impl Page {
     }
 
     fn ask(&mut self, method: &str, parameters: Value) -> Value {
+        self.answer(method, parameters).unwrap_or_else(|error| panic!("{method}: {error}"))
+    }
+
+    fn answer(&mut self, method: &str, parameters: Value) -> Result<Value, Value> {
         let (complaints, tabs) = (&mut self.complaints, &self.tabs);
         let told = |message: &Value| {
-            let complains =
-                ["Runtime.exceptionThrown", "Log.entryAdded"].iter().any(|name| message["method"] == *name);
+            let complains = ["Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded"]
+                .iter()
+                .any(|name| message["method"] == *name);
             // A page that was closed before may have complained last.
             if complains && tabs.iter().any(|(_, session)| message["sessionId"] == *session.as_str()) {
                 complaints.push(message["params"].to_string());
@@ -216,14 +245,27 @@ impl Page {
     /// Waits until an expression is true; how long that took.
     pub fn until(&mut self, expression: &str) -> Duration {
         let begin = Instant::now();
-        while self.tried(&format!("!!({expression})")) != Some(Value::Bool(true)) {
+        // The page looks itself, for a while: to be asked each time keeps four threads of the browser busy. What fails is not true yet.
+        let wait = format!(
+            "new Promise((done) => {{ \
+               const is = () => {{ try {{ return !!({expression}); }} catch {{ return false; }} }}, end = performance.now() + {LOOK}; \
+               const look = () => {{ const now = is(); if (now || performance.now() > end) done(now); else setTimeout(look, 5); }}; \
+               look(); \
+             }})"
+        );
+        let parameters = json!({ "expression": wait, "awaitPromise": true, "returnByValue": true });
+        loop {
+            // A page that goes away answers with an error; the one that comes is asked again.
+            let answer = self.answer("Runtime.evaluate", parameters.clone());
+            if answer.is_ok_and(|answer| answer["result"]["value"] == true) {
+                return begin.elapsed();
+            }
             if begin.elapsed() > PATIENCE {
                 let text = self.tried("document.body.innerText");
                 panic!("`{expression}` does not become true; the page says {text:?}; {:?}", self.complaints);
             }
             std::thread::sleep(Duration::from_millis(5));
         }
-        begin.elapsed()
     }
 
     /// Presses a key.
@@ -373,13 +415,31 @@ impl Page {
 
 impl Drop for Page {
     fn drop(&mut self) {
-        let Some(mut browser) = self.browser.take() else { return };
         // One in which something went wrong may be in the middle of an answer.
         if std::thread::panicking() {
-            let _ = browser.child.kill();
+            if let Some(mut browser) = self.browser.take() {
+                let _ = browser.child.kill();
+            }
             return;
         }
-        browser.ask("", "Target.disposeBrowserContext", &json!({ "browserContextId": self.context }), |_| ());
+        // The next page finds a tab as if it were new: of the same size, with nothing in its stores, and without what was set for the
+        // session.
+        while self.tabs.len() > 1 {
+            self.close(1);
+        }
+        self.turn_to(0);
+        self.tried(
+            "addEventListener('beforeunload', (event) => event.stopImmediatePropagation(), true); \
+             localStorage.clear(); sessionStorage.clear()",
+        );
+        self.open("about:blank");
+        self.until("location.href === 'about:blank'");
+        let (target, session) = self.tabs.remove(0);
+        self.session.clear();
+        self.ask("Storage.clearCookies", json!({ "browserContextId": self.context }));
+        self.ask("Target.detachFromTarget", json!({ "sessionId": session }));
+        let Some(mut browser) = self.browser.take() else { return };
+        browser.empty = Some((std::mem::take(&mut self.context), target));
         IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(browser);
     }
 }

@@ -1,14 +1,14 @@
 //! Pages in a browser without a window.
 
-use std::io::Write;
+// The browser of the tests of the studio: it stays for the next page, for a start takes several times as much as a page.
+#[allow(dead_code, reason = "a page of a run is not used as much as the studio")]
+#[path = "../../../../cli/tests/all/studio/browser.rs"]
+mod kept;
 
-/// The program of the browser, if one is installed.
-fn installed() -> Option<&'static str> {
-    let works = |name: &&str| {
-        std::process::Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success())
-    };
-    ["chromium", "chromium-browser", "google-chrome"].into_iter().find(works)
-}
+use std::io::Write;
+use std::sync::{Mutex, PoisonError};
+
+use self::kept::{Page, installed};
 
 /// The page after its scripts have run, and what the browser said.
 pub fn shown(program: &str, page: &str, name: &str, flags: &[&str]) -> (String, String) {
@@ -37,8 +37,6 @@ pub fn shown(program: &str, page: &str, name: &str, flags: &[&str]) -> (String, 
 pub fn program() -> Option<&'static str> {
     let found = installed();
     if found.is_none() {
-        let required = std::env::var("BLOCKSIM_BROWSER").is_ok_and(|value| value == "required");
-        assert!(!required, "no Chromium is installed, and BLOCKSIM_BROWSER=required");
         let notice = "SKIPPED: no Chromium is installed; the page was not looked at in a browser";
         let _ = writeln!(std::io::stderr(), "{notice}");
     }
@@ -65,12 +63,22 @@ pub fn with_script(page: &str, script: &str) -> String {
     )
 }
 
-/// What the script of a test answered.
-pub fn outcome(dom: &str) -> String {
-    let text = dom
-        .split("<pre id=\"outcome\">")
-        .nth(1)
-        .and_then(|rest| rest.split("</pre>").next())
-        .unwrap_or("none");
-    text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+/// What the script of a test answered in a page of this width and height that had no trouble, if there is a browser.
+pub fn answered(page: &str, name: &str, [width, height]: [u32; 2]) -> Option<String> {
+    /// One page after the other: a browser has work for all processors, and two of them would have to be started.
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = std::env::temp_dir().join(format!("blocksim-report-{}-{name}", std::process::id()));
+    let mut shown = Page::new()?;
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("page.html");
+    std::fs::write(&file, page).unwrap();
+    shown.size(width, height, 1);
+    shown.open(&format!("file://{}", file.display()));
+    shown.until("document.getElementById('outcome')");
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(shown.complaints, Vec::<String>::new());
+    let trouble = shown.value("document.getElementById('trouble').outerHTML");
+    assert_eq!(trouble, "<div id=\"trouble\" role=\"alert\"></div>");
+    shown.value("document.getElementById('outcome').textContent").as_str().map(str::to_owned)
 }
