@@ -378,6 +378,15 @@ fn what_is_saved_elsewhere_is_seen_at_once_with_its_problems() {
     fs::write(desk.0.join("servo.ron"), SERVO).expect("a file");
     page.until("!document.querySelector('#problems .error')");
     other.until("document.querySelector('#project-view .state.ready')");
+    // An editor that empties a file before it writes it, and one that takes longer for that.
+    fs::write(desk.0.join("servo.ron"), "").expect("a file");
+    page.until(
+        "document.querySelector('#problems .error')?.textContent.includes('there is nothing in this file')",
+    );
+    page.until("document.querySelectorAll('#diagram-view [data-node]').length === 0");
+    fs::write(desk.0.join("servo.ron"), SERVO).expect("a file");
+    page.until("document.querySelectorAll('#diagram-view [data-node]').length === 5");
+    assert_eq!(page.value("document.getElementById('trouble').textContent"), "");
     assert_eq!([page.complaints.len(), other.complaints.len()], [0, 0], "{:?}", page.complaints);
 }
 
