@@ -18,7 +18,7 @@
   /** @type {Float64Array[]} Columns with room behind what is known: the times, then the values. */ let columns = [];
   /** Whether values are missing, by column. @type {boolean[]} */ let gaps = [];
   let read = 0, readLater = 0;
-  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, joints = 1, draws = false, wanted = '', model = '';
+  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, joints = 1, draws = false, starts = false, wanted = '', model = '';
   /** Signals that are recorded beside those of the model. @type {Set<string>} */ const extra = new Set();
   /** What came before, and is not known here yet, is asked for; news wait for it. */ let behind = true;
   /** @type {[number, () => void][]} */ let waiting = [];
@@ -302,7 +302,13 @@
     try { await Desk.ask('run', { speed: Number(place.speed.value), set: [...settings().filter((set) => !named.has(set.split('=')[0])), ...sets], record: [...extra] }); } catch (error) { Desk.refuse(error); }
   };
   /** Runs the model. */
-  const start = () => { if (!running()) run([]); };
+  const start = async () => {
+    // A key that is pressed twice starts one run.
+    if (starts || running() || state?.state === 'starting') return;
+    starts = true;
+    await run([]);
+    starts = false;
+  };
 
   /** The run as it is, with other signals recorded: from its start, and soon where it was. */
   const again = () => { if (state && state.state !== 'idle') Desk.ask('run', { again: true, record: [...extra], speed: Number(place.speed.value) }).catch(Desk.refuse); };
@@ -336,7 +342,7 @@
     place.pause = Desk.button('❚❚ Pause', () => control({ do: state?.state === 'paused' ? 'go' : 'pause' }), { title: 'Pause and go on (Space)' });
     place.step = Desk.button('Step', () => control({ do: 'step' }), { title: 'To the next row (S)' });
     place.speed = R.make('select', { 'aria-label': 'Speed', title: 'Speed' }, ...[['0', 'as fast as it can'], ['0.1', '0.1 × real time'], ['0.5', '0.5 × real time'], ['1', 'real time'], ['2', '2 × real time'], ['10', '10 × real time']].map(([value, text]) => R.make('option', { value }, text)));
-    place.speed.addEventListener('change', () => { place.paced = true; control({ do: 'speed', speed: Number(place.speed.value) }); });
+    place.speed.addEventListener('change', () => { place.paced = true; if (running() || state?.state === 'starting') control({ do: 'speed', speed: Number(place.speed.value) }); });
     place.follow = R.make('select', { 'aria-label': 'Times shown', title: 'Times shown' }, ...[['0', 'all times'], ['0.1', 'the last 0.1 s'], ['1', 'the last 1 s'], ['2', 'the last 2 s'], ['10', 'the last 10 s']].map(([value, text]) => R.make('option', { value }, text)));
     place.follow.addEventListener('change', () => { follow = Number(place.follow.value); range(); });
     place.extra = R.make('div', { class: 'extra' });

@@ -415,6 +415,19 @@ fn a_problem_is_fixed_by_a_press_and_a_parameter_is_found_from_its_block() {
 }
 
 #[test]
+fn a_key_that_is_pressed_twice_starts_one_run() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    // How fast a run is to be is chosen before it as well.
+    page.value("(() => { const speed = document.querySelector('select[aria-label=Speed]'); speed.value = '10'; speed.dispatchEvent(new Event('change')); })()");
+    page.value("for (let n = 0; n < 3; n++) document.dispatchEvent(new KeyboardEvent('keydown', { key: 'F5', bubbles: true }))");
+    page.until("document.querySelector('.run-line').textContent.includes('2 s simulated')");
+    assert_eq!(page.complaints, Vec::<String>::new(), "nothing is asked that is refused");
+    assert_eq!(fs::read_dir(desk.0.join("runs")).expect("runs").count(), 1);
+}
+
+#[test]
 fn a_run_can_be_paused_and_ended_and_what_it_recorded_is_kept() {
     let desk =
         Desk::with(&[("servo.ron", &SERVO.replace("\"2 s\"", "\"1000 s\", solver: Ode4(step: \"10 ms\")"))]);
