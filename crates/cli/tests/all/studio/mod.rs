@@ -661,3 +661,52 @@ fn a_parameter_is_turned_while_a_run_goes_on_and_the_run_can_be_repeated() {
     assert_eq!(desk.read(&format!("{run}/signals.csv")), desk.read("again/signals.csv"));
     assert_eq!(desk.read("servo.ron"), text);
 }
+
+#[test]
+fn what_is_turned_stands_where_the_run_stands_and_stays_with_its_model() {
+    let text = SERVO.replace("\"2 s\"", "\"400 s\"");
+    let desk = Desk::with(&[("servo.ron", &text), ("other.ron", &SERVO.replace("gain", "amplifier"))]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    let choose = |page: &mut Page, model: &str| {
+        page.value(&format!("(() => {{ const choice = document.getElementById('models'); choice.value = '{model}'; choice.dispatchEvent(new Event('change')); }})()"));
+        page.until(&format!("R.Project.known().model === '{model}'"));
+    };
+    choose(&mut page, "servo.ron");
+    page.value("location.hash = '#values'");
+    page.until("document.querySelector('#values-view input[aria-label=\"gain.k\"]')");
+    page.value("[...document.querySelector('#values-view input[aria-label=\"gain.k\"]').closest('tr').querySelectorAll('button')].find((b) => b.textContent === 'Turn').click()");
+    let set = |page: &mut Page, value: &str| {
+        page.value("document.querySelector('.knob input[type=text]').focus()");
+        page.replace(value);
+        page.key("Enter");
+    };
+    // With 8 from the start, 3 later on.
+    set(&mut page, "8 1/s");
+    page.until("document.querySelector('.knob .note').textContent === 'for the next run'");
+    assert_eq!(page.value("Math.round(document.querySelector('.knob input[type=range]').value)"), 8);
+    page.value("(() => { const speed = document.querySelector('select[aria-label=Speed]'); speed.value = '10'; speed.dispatchEvent(new Event('change')); })()");
+    page.value("R.Live.start()");
+    page.until("R.Live.rows() > 5");
+    page.value("R.Desk.ask('control', { do: 'pause' }).then(() => null)");
+    page.until("document.querySelector('.run-line').textContent.includes('paused')");
+    set(&mut page, "3 1/s");
+    page.until("/^since [0-9.]+ s$/.test(document.querySelector('.knob .note').textContent)");
+    page.value("R.Desk.ask('control', { do: 'back', t: 0.1 }).then(() => null)");
+    page.until("document.querySelector('.knob .note').textContent === ''");
+    let stands = page.value(
+        "document.querySelector('.knob input').value + ', ' + Math.round(document.querySelector('.knob input[type=range]').value)",
+    );
+    assert_eq!(stands, "8 1/s, 8");
+    page.value("R.Desk.ask('control', { do: 'stop' }).then(() => null)");
+    // What is left of it may be so short that it comes to its end.
+    page.until("/ended at|simulated/.test(document.querySelector('.run-line').textContent)");
+    // Another model has no such parameter.
+    choose(&mut page, "other.ron");
+    page.until("document.querySelectorAll('.knob').length === 0");
+    page.value("R.Live.start()");
+    page.until("document.querySelector('.run-line').textContent.includes('other.ron: 2 s simulated')");
+    choose(&mut page, "servo.ron");
+    page.until("document.querySelector('.knob input')?.value === '8 1/s'");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
