@@ -83,6 +83,12 @@ impl Problems {
         unknown.any(|problem| problem.remedy().is_some_and(|edit| edit.new == name))
     }
 
+    /// Where there are errors.
+    pub(crate) fn error_places(&self) -> Vec<Place> {
+        let errors = self.all.iter().filter(|problem| problem.severity == Severity::Error);
+        errors.filter_map(|problem| problem.labels.first()).map(|label| label.place.clone()).collect()
+    }
+
     /// Whether any of them stops the run.
     pub(crate) fn any_error(&self) -> bool {
         self.all.iter().any(|problem| problem.severity == Severity::Error)

@@ -159,13 +159,14 @@ const R = {
     u.root.querySelector('.u-legend')?.setAttribute('aria-label', `${name}, values`);
   },
 
-  /** Runs a part of the page; where it fails the others go on. @param {string} name @param {() => void} part */
+  /** Runs a part of the page; where it fails the others go on. The message goes when the part can be shown again. @param {string} name @param {() => void} part */
   guarded(name, part) {
+    const place = document.getElementById('trouble');
+    for (const old of [...place?.children ?? []]) if (old.getAttribute('data-part') === name) old.remove();
     try {
       part();
     } catch (error) {
-      const place = document.getElementById('trouble');
-      place?.append(R.make('p', { class: 'warning' }, `${name} cannot be shown: ${error instanceof Error ? error.message : error}`));
+      place?.append(R.make('p', { class: 'warning', 'data-part': name }, `${name} cannot be shown: ${error instanceof Error ? error.message : error}`));
     }
   },
 };

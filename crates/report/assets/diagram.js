@@ -13,6 +13,8 @@ R.Diagram = (() => {
   /** What can be laid over the drawing, and what of it is. */
   const LAYERS = [['units', 'units'], ['rates', 'sample times'], ['order', 'order'], ['feedback', 'feedback'], ['loops', 'algebraic loops']];
   /** @type {Set<string>} */ const over = new Set();
+  /** A level without blocks. */
+  const NOTHING = { path: '', title: '', drawing: 0, blocks: [], signals: [], probes: [] };
   /** @type {Record<'frame'|'crumbs'|'side'|'list'|'legend', any>} */ const place = { frame: null, crumbs: null, side: null, list: null, legend: null };
 
   /** A drawing of its own, as a part of this page. @param {number} at @returns {SVGSVGElement} */
@@ -268,7 +270,8 @@ R.Diagram = (() => {
 
   /** @param {any} read Texts of the page. */
   const take = (read) => {
-    texts = read;
+    // A model without a text that can be read has nothing to draw, but may have something soon.
+    texts = read.levels.length ? read : { ...read, levels: [NOTHING], drawings: [{ svg: '<svg xmlns="http://www.w3.org/2000/svg"/>', nets: [] }] };
     levels.clear();
     for (const one of texts.levels) levels.set(one.path, one);
   };

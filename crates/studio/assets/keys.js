@@ -19,6 +19,7 @@
     const root = document.documentElement;
     const dark = root.dataset.theme ? root.dataset.theme === 'dark' : matchMedia('(prefers-color-scheme: dark)').matches;
     root.dataset.theme = dark ? 'light' : 'dark';
+    try { localStorage.setItem('theme', root.dataset.theme); } catch { /* A browser that keeps nothing shows what the system prefers. */ }
     for (const tell of R.onTheme) tell();
   };
   const help = () => {
@@ -56,6 +57,7 @@
   };
 
   const build = () => {
+    try { const kept = localStorage.getItem('theme'); if (kept === 'light' || kept === 'dark') document.documentElement.dataset.theme = kept; } catch { /* As above. */ }
     document.getElementById('theme')?.addEventListener('click', theme);
     document.getElementById('help')?.addEventListener('click', help);
     document.getElementById('start')?.addEventListener('click', Live.start);

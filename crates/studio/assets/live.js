@@ -18,7 +18,7 @@
   /** @type {Float64Array[]} Columns with room behind what is known: the times, then the values. */ let columns = [];
   /** Whether values are missing, by column. @type {boolean[]} */ let gaps = [];
   let read = 0, readLater = 0;
-  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, joints = 1, draws = false, wanted = '', model = '';
+  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, joints = 1, draws = false, starts = false, wanted = '', model = '';
   /** Signals that are recorded beside those of the model. @type {Set<string>} */ const extra = new Set();
   /** What came before, and is not known here yet, is asked for; news wait for it. */ let behind = true;
   /** @type {[number, () => void][]} */ let waiting = [];
@@ -118,6 +118,7 @@
     Movement.anew();
     for (const panel of panels) { panel.offRows = Math.min(panel.offRows ?? 0, rows); panel.stale = true; }
     Panel.adopt(set);
+    adopt(set);
     if (!dirty) { dirty = true; requestAnimationFrame(draw); }
   };
 
@@ -302,7 +303,13 @@
     try { await Desk.ask('run', { speed: Number(place.speed.value), set: [...settings().filter((set) => !named.has(set.split('=')[0])), ...sets], record: [...extra] }); } catch (error) { Desk.refuse(error); }
   };
   /** Runs the model. */
-  const start = () => { if (!running()) run([]); };
+  const start = async () => {
+    // A key that is pressed twice starts one run.
+    if (starts || running() || state?.state === 'starting') return;
+    starts = true;
+    await run([]);
+    starts = false;
+  };
 
   /** The run as it is, with other signals recorded: from its start, and soon where it was. */
   const again = () => { if (state && state.state !== 'idle') Desk.ask('run', { again: true, record: [...extra], speed: Number(place.speed.value) }).catch(Desk.refuse); };
@@ -321,7 +328,14 @@
   };
   /** What was asked for of another model has no meaning here. @param {string} name @param {boolean} has Whether it has a panel. */
   const of = (name, has) => {
-    if (model && model !== name) { extra.clear(); recorded(); }
+    if (model && model !== name) {
+      extra.clear();
+      recorded();
+      others.set(model, [...knobs]);
+      knobs.clear();
+      for (const [own, one] of others.get(name) ?? []) knobs.set(own, one);
+      panel();
+    }
     model = name;
     // Who turns something is to see what comes of it.
     if (!place.paced) place.speed.value = has ? '1' : '0';
@@ -336,7 +350,7 @@
     place.pause = Desk.button('❚❚ Pause', () => control({ do: state?.state === 'paused' ? 'go' : 'pause' }), { title: 'Pause and go on (Space)' });
     place.step = Desk.button('Step', () => control({ do: 'step' }), { title: 'To the next row (S)' });
     place.speed = R.make('select', { 'aria-label': 'Speed', title: 'Speed' }, ...[['0', 'as fast as it can'], ['0.1', '0.1 × real time'], ['0.5', '0.5 × real time'], ['1', 'real time'], ['2', '2 × real time'], ['10', '10 × real time']].map(([value, text]) => R.make('option', { value }, text)));
-    place.speed.addEventListener('change', () => { place.paced = true; control({ do: 'speed', speed: Number(place.speed.value) }); });
+    place.speed.addEventListener('change', () => { place.paced = true; if (running() || state?.state === 'starting') control({ do: 'speed', speed: Number(place.speed.value) }); });
     place.follow = R.make('select', { 'aria-label': 'Times shown', title: 'Times shown' }, ...[['0', 'all times'], ['0.1', 'the last 0.1 s'], ['1', 'the last 1 s'], ['2', 'the last 2 s'], ['10', 'the last 10 s']].map(([value, text]) => R.make('option', { value }, text)));
     place.follow.addEventListener('change', () => { follow = Number(place.follow.value); range(); });
     place.extra = R.make('div', { class: 'extra' });
@@ -369,6 +383,7 @@
   /** The times of the page are those of the run again, with its last one. */
   const span = () => { if (rows) { R.span = [0, until]; R.setTime(columns[0][rows - 1]); } Movement.show(); };
   /** Parameters that one wants to turn while a run goes on, and what they were set to. @type {Map<string, any>} */ const knobs = new Map();
+  /** Those of other models of the project. @type {Map<string, [string, any][]>} */ const others = new Map();
   /** Between which numbers a slider moves a value: from nothing to twice of it, as far as its kind allows; or over all that is allowed, where that
    * is not much wider. @param {number} start @param {[number, boolean]|null} low @param {[number, boolean]|null} high Each with whether it is allowed itself. */
   const reach = (start, low, high) => {
@@ -387,19 +402,28 @@
     const [start, unit] = own ? [own.value, own.unit] : [Number(number), behind];
     const told = R.make('span', { class: 'note', role: 'status' });
     const field = R.make('input', { type: 'text', value: target.written, 'aria-label': name, size: '12', spellcheck: 'false' });
-    const set = (/** @type {string} */ value) => { told.textContent = ''; field.value = value; if (running()) control({ do: 'set', set: `${name}=${value}` }); else told.textContent = 'for the next run'; };
+    const set = (/** @type {string} */ value) => { told.textContent = ''; told.classList.remove('bad'); field.value = value; follow(); if (running()) control({ do: 'set', set: `${name}=${value}` }); else told.textContent = 'for the next run'; };
     field.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => { if (event.key === 'Enter') set(field.value); });
     const parts = [R.make('bdi', {}, name), field];
+    /** The slider goes where the value is, if it is a number of its unit. */ let follow = () => {};
     const [least, most] = target.ends ?? [null, null], [low, high] = own ? own.range : reach(start, least, most);
     if (low < high) {
       const slider = R.make('input', { type: 'range', min: String(low), max: String(high), step: String((high - low) / STEPS), value: String(start), 'aria-label': `${name}, slider` });
       let wait = 0;
       const chosen = () => Math.min(Math.max(Number(Number(slider.value).toPrecision(4)), low), high);
       slider.addEventListener('input', () => { field.value = `${chosen()} ${unit}`.trim(); clearTimeout(wait); wait = setTimeout(() => set(field.value), 60); });
+      follow = () => { const [, value, of] = /^([+-]?[\d.]+(?:e[+-]?\d+)?)\s*(.*)$/i.exec(field.value) ?? []; if (value && of === unit) slider.value = value; };
       parts.push(slider);
     } else if (target.written === 'true' || target.written === 'false') parts.push(Desk.button('switch', () => set(field.value === 'true' ? 'false' : 'true')));
     const away = Desk.button('×', () => { knobs.delete(name); panel(); }, { 'aria-label': `Take ${name} away` });
-    return { told, field, row: R.make('div', { class: 'knob' }, ...parts, away, told) };
+    /** Stands where the run is, and sends nothing. @param {string|undefined} text */
+    const stand = (text) => { field.value = text ?? field.defaultValue; told.textContent = ''; told.classList.remove('bad'); follow(); };
+    return { told, field, stand, row: R.make('div', { class: 'knob' }, ...parts, away, told) };
+  };
+  /** All stand where a run has been set to. @param {string[]} sets */
+  const adopt = (sets) => {
+    const all = new Map(sets.map((set) => { const [name, ...rest] = set.split('='); return [name.trim(), rest.join('=').trim()]; }));
+    for (const [name, one] of knobs) one.stand(all.get(name));
   };
   const panel = () => place.knobs.replaceChildren(...[...knobs.values()].map((one) => one.row));
   /** Puts a parameter among those that one wants to turn. @param {string} name @param {any} target @param {any} [own] Its element on the panel of the model. */

@@ -49,12 +49,16 @@
       ...(known.problems.length ? [R.make('h2', {}, 'Problems'), list(known.problems)] : []), R.make('h2', {}, 'What next'), next());
   };
 
+  /** The name of a file before its folder, as the end of what is too long is out of sight. @param {string} path */
+  const shortest = (path) => { const [, folder, file] = path.match(/^(?:(.*)[\\/])?([^\\/]*)$/) ?? []; return folder ? `${file} – ${folder}` : file ?? path; };
+
   /** @param {any} told */
   const renew = (told) => {
     known = told;
     const choice = /** @type {HTMLSelectElement} */ (document.getElementById('models'));
-    choice.replaceChildren(...told.models.map((/** @type {string} */ name) => R.make('option', { value: name }, name)));
+    choice.replaceChildren(...told.models.map((/** @type {string} */ name) => R.make('option', { value: name }, shortest(name))));
     choice.value = told.model;
+    choice.title = `Model ${told.model}`;
     choice.hidden = told.models.length < 2;
     show();
     problems();

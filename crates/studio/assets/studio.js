@@ -9,8 +9,11 @@
   /** @type {any} */ let texts = null;
   /** What the scopes of the model show of each wire, level by level. @type {any[]} */ let known = [];
 
+  /** What stands in an address; as it is, where that means nothing. @param {string} text */
+  const plain = (text) => { try { return decodeURIComponent(text); } catch { return text; } };
+
   /** The screen that the address names, and what stands behind it. */
-  const asked = () => { const [screen, ...rest] = location.hash.slice(1).split('/'); return [document.getElementById(screen)?.matches('main > section') ? screen : 'project', decodeURIComponent(rest.join('/'))]; };
+  const asked = () => { const [screen, ...rest] = location.hash.slice(1).split('/'); return [document.getElementById(screen)?.matches('main > section') ? screen : 'project', plain(rest.join('/'))]; };
 
   const show = () => {
     const [screen, rest] = asked();

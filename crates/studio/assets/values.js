@@ -11,8 +11,9 @@
   /** @type {any} */ const place = { filter: null, list: null, change: null };
   /** The sheet that is shown; empty for all. */ let sheet = '';
   /** Values of the run that is compared with. @type {any} */ let other = null;
-  /** What was typed and is not written, by its target; nothing of it is lost when the model changes. @type {Map<string, string>} */ const typed = new Map();
-  /** Why what was typed is not taken, by its target. @type {Map<string, {message: string, help?: string}>} */ const wrong = new Map();
+  /** What was typed and is not written, by its target; nothing of it is lost when the model changes. @type {Map<string, string>} */ let typed = new Map();
+  /** Why what was typed is not taken, by its target. @type {Map<string, {message: string, help?: string}>} */ let wrong = new Map();
+  /** Both, of the other models of the project: names of one mean something else in another. @type {Map<string, [Map<string, string>, Map<string, {message: string, help?: string}>]>} */ const drafts = new Map();
 
   /** Shows why a value is not taken, or that nothing is wrong with it. @param {string} target @param {HTMLElement} [place] Where, if not in the list. */
   const explain = (target, place) => {
@@ -23,7 +24,9 @@
   };
   /** @param {string} target @param {string} value @param {boolean} only Run with it, without writing it. */
   const change = async (target, value, only) => {
-    wrong.delete(target);
+    // The model may be another one by the time of the answer.
+    const [mine, why] = [typed, wrong], model = known.model;
+    why.delete(target);
     explain(target);
     try {
       if (only) {
@@ -31,13 +34,13 @@
         location.hash = '#run';
         return;
       }
-      const done = await Desk.ask('set', { target, value });
-      typed.delete(target);
+      const done = await Desk.ask('set', { model, target, value });
+      mine.delete(target);
       told(done);
     } catch (error) {
-      const { message, why } = /** @type {any} */ (error);
+      const { message, why: refused } = /** @type {any} */ (error);
       // The list may be another one by now.
-      wrong.set(target, { message, help: why?.help });
+      why.set(target, { message, help: refused?.help });
       explain(target);
     }
   };
@@ -138,7 +141,12 @@
   const renew = async () => {
     const view = document.getElementById('values-view');
     if (!view || view.closest('section')?.hidden) return;
+    const before = known?.model;
     try { known = await Desk.ask('parameters'); } catch (error) { Desk.refuse(error); return; }
+    if (before !== undefined && before !== known.model) {
+      drafts.set(before, [typed, wrong]);
+      [typed, wrong] = drafts.get(known.model) ?? [new Map(), new Map()];
+    }
     if (!place.list) {
       place.filter = R.make('input', { type: 'search', placeholder: 'part of a name', 'aria-label': 'Parts of names' });
       place.filter.addEventListener('input', show);

@@ -77,7 +77,8 @@ pub(crate) fn panel<'a>(
     schedule: Option<&Schedule>,
     problems: &mut Problems,
 ) -> Vec<PanelItem> {
-    let panel = Panel { ast, scope, targets, schedule };
+    let faulty = problems.error_places();
+    let panel = Panel { ast, scope, targets, schedule, faulty };
     let mut items = Vec::new();
     for element in &ast.panel {
         match panel.item(element) {
@@ -97,6 +98,8 @@ struct Panel<'p, 'a> {
     scope: &'p Rc<Scope<'a>>,
     targets: &'p [Target],
     schedule: Option<&'p Schedule>,
+    /// Where errors have been found already.
+    faulty: Vec<Place>,
 }
 
 /// What is done, with a warning.
@@ -115,13 +118,29 @@ impl<'a> Panel<'_, 'a> {
                 Some(action) => (action, None),
                 None => return Ok(None),
             },
-            PanelWord::Slider | PanelWord::Knob => {
-                self.number(element, self.target(name, &place)?, &place)?
+            PanelWord::Slider | PanelWord::Knob | PanelWord::Switch | PanelWord::Button => {
+                let target = self.target(name, &place)?;
+                // That the panel cannot turn a value with a fault follows from the fault.
+                if self.is_faulty(target) {
+                    return Ok(None);
+                }
+                match element.kind {
+                    PanelWord::Slider | PanelWord::Knob => self.number(element, target, &place)?,
+                    _ => self.two(element, target, &place)?,
+                }
             }
-            PanelWord::Switch | PanelWord::Button => self.two(element, self.target(name, &place)?, &place)?,
         };
         let label = element.text("label").map(|(text, _)| text.to_owned());
         Ok(Some((PanelItem { word: element.kind, action, name: name.to_owned(), label, place }, warning)))
+    }
+
+    /// Whether an error is known of what is written for a parameter.
+    fn is_faulty(&self, target: &Target) -> bool {
+        let Place { file, span } = &target.site.place;
+        let is_within = |place: &Place| {
+            place.file == *file && span.start <= place.span.start && place.span.end <= span.end
+        };
+        self.faulty.iter().any(is_within)
     }
 
     fn target(&self, name: &str, place: &Place) -> Result<&Target, Problem> {

@@ -51,6 +51,12 @@ impl<M: Meaning> Parser<'_, M> {
             before.span.start..after.span.end,
             format!("`{whole},{fraction}` is not a number"),
         );
+        if whole.contains('.') || fraction.contains('.') {
+            // Both a comma and a point: one of them separates thousands.
+            return Some(error.help(
+                "write numbers without separators between thousands, with a point before the decimals",
+            ));
+        }
         let remedy = (!separates).then(|| format!("{whole}.{fraction}"));
         Some(error.help(format!("decimal comma? write {whole}.{fraction}")).remedy(remedy))
     }

@@ -294,10 +294,14 @@ fn names_and_units_are_spelled_out() {
 
 #[test]
 fn a_decimal_comma_is_recognised() {
+    const THOUSANDS: &str =
+        "write numbers without separators between thousands, with a point before the decimals";
     refused(&[
         ("1,05", 0..4, "`1,05` is not a number", "decimal comma? write 1.05"),
         ("2 * 1,5 m", 4..7, "`1,5` is not a number", "decimal comma? write 1.5"),
         ("[1,05]", 1..5, "`1,05` is not a number", "decimal comma? write 1.05"),
+        ("1.234,5", 0..7, "`1.234,5` is not a number", THOUSANDS),
+        ("1,234.5 m", 0..7, "`1,234.5` is not a number", THOUSANDS),
     ]);
     assert_eq!(value("[1,5]").describe(), "a list of 2");
 }

@@ -140,17 +140,25 @@ fn follow(err: impl Read, mut meanwhile: impl FnMut(&Value)) -> Option<String> {
     last
 }
 
+/// What is wrong with a value, without the option that it was handed on by: it stands in a field of the page.
+fn of_field(message: &str) -> &str {
+    let told = message.strip_prefix("invalid value '").and_then(|rest| rest.split_once(">': "));
+    told.map_or(message, |(_, told)| told)
+}
+
 /// The answer among the lines of JSON, or the first error.
 fn answered(text: &[u8], last: Option<String>) -> Reply {
     let text = String::from_utf8_lossy(text);
     let mut problem = None;
     for line in text.lines() {
-        let Ok(mut event) = serde_json::from_str::<Value>(line) else { continue };
+        let Ok(event) = serde_json::from_str::<Value>(line) else { continue };
         match event["type"].as_str() {
             // As it was printed: to read numbers and to write them again may change their last digit.
             Some("sweep" | "linear") => return Reply::Text(line.into()),
             Some("diagnostic") if event["severity"] == "error" && problem.is_none() => {
-                problem = Some(json!({ "message": event["message"].take(), "help": event["help"].take() }));
+                let help = event["help"].as_str().filter(|help| !help.contains("--help"));
+                let message = event["message"].as_str().map(of_field);
+                problem = Some(json!({ "message": message, "help": help }));
             }
             _ => {}
         }

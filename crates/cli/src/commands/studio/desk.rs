@@ -396,6 +396,11 @@ impl Desk for Studio {
                     "start it with `blocksim studio --edit`; `Run with it` needs no file",
                 )
             }
+            // In another tab another model has been chosen meanwhile, in which the name may mean something else.
+            "set" if body["model"].as_str().is_some_and(|of| Path::new(of) != model) => Reply::refused(
+                format!("`{}` is shown now, not the model of this value", model.display()),
+                "choose the model again; what was typed stays with it",
+            ),
             "set" => {
                 let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
                 changes.set(&place(&self.root, &model), body, self.console)

@@ -67,7 +67,7 @@ pub fn list(root: &Path, model: &Path, may_edit: bool) -> Value {
             "range": range(target), "ends": ends(target),
         })
     };
-    json!({ "edit": may_edit, "targets": all.iter().filter(is_shown).map(data).collect::<Vec<_>>() })
+    json!({ "edit": may_edit, "model": model.display().to_string(), "targets": all.iter().filter(is_shown).map(data).collect::<Vec<_>>() })
 }
 
 /// Least and largest value that the kind of block allows, each with whether it is allowed itself, in the unit in which this one is

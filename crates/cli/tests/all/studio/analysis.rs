@@ -116,6 +116,10 @@ fn poles_move_with_a_slider() {
     // A signal that does not exist: the reason is shown, and what was found stays.
     typed(&mut page, &field("Open the loop at"), "gain.x");
     page.until("document.querySelector('#linear-view .bad')?.textContent.includes('gain.x')");
+    // Without the words of the command line.
+    let told = studio.asked("POST", "/api/linear", &[], r#"{"at": "1,5 s"}"#);
+    assert!(told.contains("decimal comma? write 1.5"), "{told}");
+    assert!(!told.contains("--at") && !told.contains("--help"), "{told}");
     assert_eq!(page.value("document.querySelector('.linear-seen').classList.contains('old')"), true);
     assert_eq!(
         page.complaints.iter().filter(|told| !told.contains("409")).count(),

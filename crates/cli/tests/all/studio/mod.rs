@@ -378,6 +378,15 @@ fn what_is_saved_elsewhere_is_seen_at_once_with_its_problems() {
     fs::write(desk.0.join("servo.ron"), SERVO).expect("a file");
     page.until("!document.querySelector('#problems .error')");
     other.until("document.querySelector('#project-view .state.ready')");
+    // An editor that empties a file before it writes it, and one that takes longer for that.
+    fs::write(desk.0.join("servo.ron"), "").expect("a file");
+    page.until(
+        "document.querySelector('#problems .error')?.textContent.includes('there is nothing in this file')",
+    );
+    page.until("document.querySelectorAll('#diagram-view [data-node]').length === 0");
+    fs::write(desk.0.join("servo.ron"), SERVO).expect("a file");
+    page.until("document.querySelectorAll('#diagram-view [data-node]').length === 5");
+    assert_eq!(page.value("document.getElementById('trouble').textContent"), "");
     assert_eq!([page.complaints.len(), other.complaints.len()], [0, 0], "{:?}", page.complaints);
 }
 
@@ -403,6 +412,19 @@ fn a_problem_is_fixed_by_a_press_and_a_parameter_is_found_from_its_block() {
     page.value("document.querySelector('.inspector td button').click()");
     page.until("document.querySelectorAll('#values-view tbody tr').length === 1 && document.querySelector('#values-view input[aria-label=\"gain.k\"]')");
     assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+#[test]
+fn a_key_that_is_pressed_twice_starts_one_run() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    // How fast a run is to be is chosen before it as well.
+    page.value("(() => { const speed = document.querySelector('select[aria-label=Speed]'); speed.value = '10'; speed.dispatchEvent(new Event('change')); })()");
+    page.value("for (let n = 0; n < 3; n++) document.dispatchEvent(new KeyboardEvent('keydown', { key: 'F5', bubbles: true }))");
+    page.until("document.querySelector('.run-line').textContent.includes('2 s simulated')");
+    assert_eq!(page.complaints, Vec::<String>::new(), "nothing is asked that is refused");
+    assert_eq!(fs::read_dir(desk.0.join("runs")).expect("runs").count(), 1);
 }
 
 #[test]
@@ -638,4 +660,53 @@ fn a_parameter_is_turned_while_a_run_goes_on_and_the_run_can_be_repeated() {
     assert_eq!(again.code, Some(0), "{}", again.err);
     assert_eq!(desk.read(&format!("{run}/signals.csv")), desk.read("again/signals.csv"));
     assert_eq!(desk.read("servo.ron"), text);
+}
+
+#[test]
+fn what_is_turned_stands_where_the_run_stands_and_stays_with_its_model() {
+    let text = SERVO.replace("\"2 s\"", "\"400 s\"");
+    let desk = Desk::with(&[("servo.ron", &text), ("other.ron", &SERVO.replace("gain", "amplifier"))]);
+    let studio = Studio::of(&desk, &[]);
+    let Some(mut page) = shown(&studio) else { return };
+    let choose = |page: &mut Page, model: &str| {
+        page.value(&format!("(() => {{ const choice = document.getElementById('models'); choice.value = '{model}'; choice.dispatchEvent(new Event('change')); }})()"));
+        page.until(&format!("R.Project.known().model === '{model}'"));
+    };
+    choose(&mut page, "servo.ron");
+    page.value("location.hash = '#values'");
+    page.until("document.querySelector('#values-view input[aria-label=\"gain.k\"]')");
+    page.value("[...document.querySelector('#values-view input[aria-label=\"gain.k\"]').closest('tr').querySelectorAll('button')].find((b) => b.textContent === 'Turn').click()");
+    let set = |page: &mut Page, value: &str| {
+        page.value("document.querySelector('.knob input[type=text]').focus()");
+        page.replace(value);
+        page.key("Enter");
+    };
+    // With 8 from the start, 3 later on.
+    set(&mut page, "8 1/s");
+    page.until("document.querySelector('.knob .note').textContent === 'for the next run'");
+    assert_eq!(page.value("Math.round(document.querySelector('.knob input[type=range]').value)"), 8);
+    page.value("(() => { const speed = document.querySelector('select[aria-label=Speed]'); speed.value = '10'; speed.dispatchEvent(new Event('change')); })()");
+    page.value("R.Live.start()");
+    page.until("R.Live.rows() > 5");
+    page.value("R.Desk.ask('control', { do: 'pause' }).then(() => null)");
+    page.until("document.querySelector('.run-line').textContent.includes('paused')");
+    set(&mut page, "3 1/s");
+    page.until("/^since [0-9.]+ s$/.test(document.querySelector('.knob .note').textContent)");
+    page.value("R.Desk.ask('control', { do: 'back', t: 0.1 }).then(() => null)");
+    page.until("document.querySelector('.knob .note').textContent === ''");
+    let stands = page.value(
+        "document.querySelector('.knob input').value + ', ' + Math.round(document.querySelector('.knob input[type=range]').value)",
+    );
+    assert_eq!(stands, "8 1/s, 8");
+    page.value("R.Desk.ask('control', { do: 'stop' }).then(() => null)");
+    // What is left of it may be so short that it comes to its end.
+    page.until("/ended at|simulated/.test(document.querySelector('.run-line').textContent)");
+    // Another model has no such parameter.
+    choose(&mut page, "other.ron");
+    page.until("document.querySelectorAll('.knob').length === 0");
+    page.value("R.Live.start()");
+    page.until("document.querySelector('.run-line').textContent.includes('other.ron: 2 s simulated')");
+    choose(&mut page, "servo.ron");
+    page.until("document.querySelector('.knob input')?.value === '8 1/s'");
+    assert_eq!(page.complaints, Vec::<String>::new());
 }

@@ -110,3 +110,59 @@ fn ranges_of_kinds_stand_in_the_sheets_and_limit_what_is_turned() {
     page.value("(() => { const slider = document.querySelectorAll('.knob input[type=range]')[0]; slider.value = 0; slider.dispatchEvent(new Event('input')); })()");
     page.until("document.querySelector('.knob input[type=text]').value === '0.2 ms'");
 }
+
+#[test]
+fn what_is_typed_stays_with_its_model() {
+    let panel = "    panel: [Slider(\"gain.k\", \"0 .. 20\")],\n    simulation:";
+    let first = SERVO.replace("    simulation:", panel);
+    let second = SERVO.replace("6 1/s", "2 1/s");
+    let desk = Desk::with(&[]);
+    fs::create_dir(desk.0.join("eins")).expect("a folder");
+    for (name, text) in [("größe", &first), ("zweite", &second)] {
+        fs::write(desk.0.join(format!("eins/{name}.ron")), text).expect("a file");
+    }
+    let studio = Studio::of(&desk, &["--edit"]);
+    let Some(mut page) = shown(&studio) else { return };
+    let field = "document.querySelector('#values-view input[aria-label=\"gain.k\"]')";
+    let answer = "document.querySelector('#values-view .answer[data-target=\"gain.k\"]').textContent";
+    let choose = |page: &mut super::Page, model: &str| {
+        page.value(&format!("(() => {{ const choice = document.getElementById('models'); choice.value = '{model}'; choice.dispatchEvent(new Event('change')); }})()"));
+        page.until(&format!("R.Project.known().model === '{model}'"));
+    };
+    page.value("location.hash = '#values'");
+    choose(&mut page, "eins/größe.ron");
+    // The names of files come first, as the end of what is too long is out of sight.
+    let names =
+        page.value("[...document.querySelectorAll('#models option')].map((one) => one.textContent).join()");
+    assert_eq!(names, "größe.ron – eins,zweite.ron – eins");
+    // Light or dark stays as it was chosen.
+    page.value("document.getElementById('theme').click()");
+    let theme = page.value("document.documentElement.dataset.theme");
+    // An address that means nothing.
+    page.value("location.hash = '#runs/%E0'");
+    page.until("!document.getElementById('runs').hidden");
+    page.open(&studio.address);
+    page.until("document.documentElement.dataset.ready");
+    assert_eq!(page.value("document.documentElement.dataset.theme"), theme);
+    page.value("location.hash = '#values'");
+    page.until(&format!("{field}?.value === '6 1/s'"));
+    page.value(&format!("{field}.focus()"));
+    page.replace("7,5 1/s");
+    page.key("Enter");
+    // The fault itself, not that the slider cannot turn what has one.
+    page.until(&format!("{answer}.includes('decimal comma? write 7.5')"));
+    choose(&mut page, "eins/zweite.ron");
+    page.until(&format!("{field}?.value === '2 1/s'"));
+    assert_eq!(page.value(answer), "");
+    choose(&mut page, "eins/größe.ron");
+    page.until(&format!("{field}?.value === '7,5 1/s'"));
+    assert!(
+        page.value(answer).as_str().is_some_and(|why| why.contains("decimal comma")),
+        "it is still explained"
+    );
+    // Another tab has chosen another model in the meantime.
+    let set = r#"{"model": "eins/zweite.ron", "target": "gain.k", "value": "9 1/s"}"#;
+    let told = studio.asked("POST", "/api/set", &[], set);
+    assert!(told.starts_with("HTTP/1.1 409") && told.contains("is shown now"), "{told}");
+    assert_eq!([desk.read("eins/größe.ron"), desk.read("eins/zweite.ron")], [first, second]);
+}
