@@ -37,6 +37,7 @@ const R = {
   /** @type {any} */ Search: null,
   /** @type {any} */ Measure: null,
   /** Leads to where a parameter can be changed, if it can. @type {((name: string) => void)|null} */ change: null,
+  /** Shows a block in the diagram by its path, if that can be done. @type {((path: string) => void)|null} */ showBlock: null,
   /** Records a signal and shows it over time, if that can be done. @type {((name: string) => void)|null} */ record: null,
 
   /** A list of numbers from the block. @param {[number, number, number]} where @returns {Float64Array} */

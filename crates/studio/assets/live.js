@@ -248,6 +248,19 @@
 
   /** Time of the last row. */
   const last = () => rows ? columns[0][rows - 1] : 0;
+  /** Blocks that are to blame for the end of the last run. @returns {string[]} */
+  const failed = () => state?.state === 'failed' ? state.blocks ?? [] : [];
+  /** Marks them in the picture, and subsystems that they are in. */
+  const blame = () => {
+    const { level, nodes } = R.Diagram.now();
+    if (!level || !nodes) return;
+    for (const [n, group] of nodes) {
+      const name = level.blocks[n]?.[0], path = name && (level.path ? `${level.path}/${name}` : name);
+      const is = Boolean(path) && failed().some((block) => block === path || block.startsWith(`${path}/`));
+      group.classList.toggle('failed', is);
+      if (is) group.setAttribute('aria-description', 'the last run failed here'); else group.removeAttribute('aria-description');
+    }
+  };
   const told = () => {
     if (!place.line) return;
     const { model, until, factor, reason, name } = state ?? {};
@@ -263,12 +276,13 @@
       failed: `${model}: ${reason}`,
     }[/** @type {'idle'} */ (state?.state ?? 'idle')];
     said = text ?? '';
-    // Who is at the link stays there.
+    // Who is at a link stays there.
     if (place.line.dataset.told !== `${said} ${name}`) {
       const focus = place.line.contains(document.activeElement);
-      place.line.replaceChildren(said, ...(name ? [R.make('a', { href: `#runs/${encodeURIComponent(name)}` }, 'Results')] : []));
+      const blamed = failed().map((path) => Desk.button(path, () => R.showBlock?.(path), { 'aria-label': `Show ${path} in the diagram`, title: 'Show in the diagram' }));
+      place.line.replaceChildren(said, ...(blamed.length ? [' ', ...blamed, ' '] : []), ...(name ? [R.make('a', { href: `#runs/${encodeURIComponent(name)}` }, 'Results')] : []));
       place.line.dataset.told = `${said} ${name}`;
-      if (focus) place.line.querySelector('a')?.focus();
+      if (focus) /** @type {HTMLElement|null} */ (place.line.querySelector('a, button'))?.focus();
     }
     place.line.classList.toggle('bad', state?.state === 'failed');
     place.bar.value = until ? Math.min(1, t / until) : 0;
@@ -290,6 +304,7 @@
     // What was drawn piece by piece is drawn as a whole in the end.
     if (!running() && before === 'running' && !dirty) { dirty = true; requestAnimationFrame(draw); }
     told();
+    blame();
     Futures.renew(now);
     if (before !== now.state && before !== undefined) Desk.say(now.state === 'running' ? `${now.model} runs` : said, now.state === 'failed');
   };
@@ -358,6 +373,7 @@
     const tools = R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow);
     view.replaceChildren(place.line, place.bar, tools, past, place.extra, place.knobs);
     Movement.build(tools, { resized: fit });
+    R.onChosen.push(blame);
     Futures.build(past, { control, rows: () => rows, time: last, state: () => state, draws: () => draws, redraw: draw, goesBack: () => ['running', 'paused', 'done', 'failed'].includes(state?.state) });
     Panel.build(document.getElementById('panel'), { running, set: (/** @type {string} */ set) => control({ do: 'set', set }) });
     told();

@@ -97,6 +97,13 @@
   onScreen(R.Plots, 'find', 'run');
   onScreen(Values, 'find', 'values');
   R.change = Values.find;
+  /** @param {string} path */
+  R.showBlock = async (path) => {
+    location.hash = '#diagram';
+    await diagram().catch(Desk.refuse);
+    const parts = path.split('/');
+    R.Diagram.show(parts.slice(0, -1).join('/'), parts[parts.length - 1]);
+  };
   R.record = Live.record;
   Keys.build();
   Live.build();

@@ -16,12 +16,22 @@ pub fn failure(error: &SimError, schedule: &Schedule) -> Problem {
         let block = schedule.blocks.iter().find(|block| block.path == *path);
         problem = match block {
             Some(network) if !network.parts.is_empty() => in_network(problem, network),
-            Some(Instance { place: Some(place), .. }) => problem.at(place, format!("this is `{path}`")),
+            Some(Instance { place: Some(place), .. }) => problem.at(place, this_is(path)),
             _ => problem.note(format!("in `{path}`")),
         };
     }
     problem.help.clone_from(&error.help);
     problem
+}
+
+/// A label at the place of a block.
+fn this_is(path: &str) -> String {
+    format!("this is `{path}`")
+}
+
+/// The path of the block whose place a label is at, if it is at that of a block.
+pub fn block_of(label: &str) -> Option<&str> {
+    label.strip_prefix("this is `")?.strip_suffix('`')
 }
 
 /// What is said of the accuracy of a run at its end, with the places of the blocks that are named.
@@ -52,7 +62,7 @@ fn at_blocks(mut problem: Problem, schedule: &Schedule) -> Problem {
         blocks.map(|block| BlockPart { path: block.path.clone(), place: block.place.clone() }).collect();
     for part in named(&problem.message, &parts).iter().take(MOST) {
         if let Some(place) = &part.place {
-            problem = problem.at(place, format!("this is `{}`", part.path));
+            problem = problem.at(place, this_is(&part.path));
         }
     }
     problem
@@ -63,7 +73,7 @@ fn in_network(mut problem: Problem, network: &Instance) -> Problem {
     let named = named(&problem.message, &network.parts);
     for part in named.iter().take(MOST) {
         if let Some(place) = &part.place {
-            problem = problem.at(place, format!("this is `{}`", part.path));
+            problem = problem.at(place, this_is(&part.path));
         }
     }
     match &network.parts[0].place {
@@ -93,6 +103,12 @@ fn named<'a>(message: &str, parts: &'a [BlockPart]) -> Vec<&'a BlockPart> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_block_is_known_by_its_label() {
+        assert_eq!(block_of(&this_is("arm/link 1")), Some("arm/link 1"));
+        assert_eq!(block_of("the network around this block"), None);
+    }
 
     #[test]
     fn the_parts_that_a_message_names_are_found_in_its_order() {

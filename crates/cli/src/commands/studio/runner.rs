@@ -12,6 +12,7 @@ use blocksim_studio::{News, Reply};
 use serde_json::{Value, json};
 
 use crate::commands::report::meshes::{MeshSources, surfaces};
+use crate::running::blame::block_of;
 
 /// Bytes of rows that are kept for a page that is opened while a run goes on.
 const KEPT: usize = 16 << 20;
@@ -239,13 +240,14 @@ impl Runner {
             let code = status.map(|status| status.to_string()).unwrap_or_default();
             state["state"] = "failed".into();
             state["reason"] = told.problem.or(last).unwrap_or(code).into();
+            state["blocks"] = told.blocks.into();
         });
     }
 
     /// A run has come to its end, or is left for one that goes back.
     fn done(&self, done: &Value, told: &mut Told) {
         let name = done["run"].as_str().and_then(|path| Path::new(path).file_name()?.to_str());
-        let problem = told.problem.take();
+        let (problem, blocks) = (told.problem.take(), std::mem::take(&mut told.blocks));
         let mut now = self.now();
         now.ended = true;
         if std::mem::take(&mut told.is_left) {
@@ -263,6 +265,7 @@ impl Runner {
             state["took"] = done["wall_time"].clone();
             state["name"] = name.into();
             state["reason"] = problem.map_or(done["reason"].clone(), Value::from);
+            state["blocks"] = blocks.into();
         });
     }
 
@@ -335,6 +338,9 @@ impl Runner {
             Some("diagnostic") if event["severity"] == "error" && told.problem.is_none() => {
                 let help = event["help"].as_str().map(|help| format!(" ({help})")).unwrap_or_default();
                 told.problem = event["message"].as_str().map(|message| format!("{message}{help}"));
+                let labels = event["labels"].as_array().into_iter().flatten();
+                let blocks = labels.filter_map(|label| block_of(label["text"].as_str()?));
+                told.blocks = blocks.map(str::to_owned).collect();
             }
             Some("done") => self.done(&event, told),
             _ => {}
@@ -413,6 +419,8 @@ impl Now {
 #[derive(Default)]
 struct Told {
     problem: Option<String>,
+    /// Paths of the blocks that are to blame for it.
+    blocks: Vec<String>,
     /// It is left for one that goes back, so what it says of its end is not the last word.
     is_left: bool,
 }

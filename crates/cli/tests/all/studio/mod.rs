@@ -427,6 +427,35 @@ fn a_key_that_is_pressed_twice_starts_one_run() {
     assert_eq!(fs::read_dir(desk.0.join("runs")).expect("runs").count(), 1);
 }
 
+/// A block that cannot go on is named behind the message, found in the diagram by a press, and marked there with what it is in.
+#[test]
+fn the_block_at_which_a_run_fails_is_shown() {
+    let part = r#"Diagram(inputs: { "u": () }, outputs: { "y": "root.y" }, blocks: { "root": Function(function: Sqrt) },
+        connections: ["in.u -> root.u"])"#;
+    let model = r#"Diagram(simulation: (stop_time: "2 s"), blocks: { "falls": Ramp(slope: "-1 1/s", initial: 1),
+        "part": Subsystem(file: "part.ron"), "show": Scope(inputs: ["y"]) },
+        connections: ["falls.y -> part.u", "part.y -> show.y"])"#;
+    let desk = Desk::with(&[("falls.ron", model), ("part.ron", part)]);
+    let studio = Studio::of(&desk, &["falls.ron"]);
+    let Some(mut page) = shown(&studio) else { return };
+    page.key("F5");
+    page.until("document.querySelector('.run-line.bad button')?.textContent === 'part/root'");
+    page.value("document.querySelector('.run-line button').click()");
+    page.until("location.hash === '#diagram' && R.Diagram.now().level?.path === 'part'");
+    let marked = "[...document.querySelectorAll('.level .failed')].map((one) => one.getAttribute('aria-description')).join()";
+    page.until(&format!("{marked} === 'the last run failed here'"));
+    page.value("R.Diagram.go('', true)");
+    page.until(&format!("R.Diagram.now().level.path === '' && {marked} === 'the last run failed here'"));
+    // Another run begins without a mark.
+    std::fs::write(desk.0.join("falls.ron"), model.replace("-1 1/s", "1 1/s")).expect("a model");
+    page.until("R.Project.known().problems.length === 0");
+    page.key("F5");
+    page.until("/ s simulated/.test(document.querySelector('.run-line').textContent)");
+    page.value("location.hash = '#diagram'");
+    page.until(&format!("R.Diagram.now().level.path === '' && {marked} === ''"));
+    assert!(page.complaints.is_empty(), "{:?}", page.complaints);
+}
+
 #[test]
 fn a_run_can_be_paused_and_ended_and_what_it_recorded_is_kept() {
     let desk =
