@@ -118,3 +118,16 @@ fn what_cannot_be_graded_is_explained() {
         let _ = fs::remove_dir_all(desk.0.join("out"));
     }
 }
+
+#[test]
+fn a_run_that_ends_before_the_reference_is_told_so() {
+    let desk = Desk::with(&[("loop.ron", &model("6 1/s"))]);
+    let folder = desk.0.join("students/fred");
+    fs::create_dir_all(&folder).expect("a folder");
+    let early = model("6 1/s").replace("\"2 s\"", "\"0.75 s\"");
+    fs::write(folder.join("loop.ron"), early).expect("a model");
+    let answer =
+        desk.call(&["grade", "students", "--against", "loop.ron", "--limit", "9s", "--out", "graded"]);
+    let reason = "is the same, but only there from 0 s to 0.7500 s, and 1 signal more";
+    assert!(answer.code == Some(1) && answer.out.contains(reason), "{}{}", answer.out, answer.err);
+}

@@ -241,6 +241,12 @@ fn differs(found: &Value) -> String {
     } else {
         String::new()
     };
+    if let ("short", Some(from), Some(to)) =
+        (first["verdict"].as_str().unwrap_or_default(), first["span"][0].as_f64(), first["span"][1].as_f64())
+    {
+        let [from, to] = [from, to].map(|time| significant(time, 4));
+        return format!("`{path}` is the same, but only there from {from} s to {to} s{more}");
+    }
     match (most["difference"].as_f64(), most["time"].as_f64()) {
         (Some(difference), Some(time)) => {
             let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
