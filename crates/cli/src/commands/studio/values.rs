@@ -152,20 +152,27 @@ impl Changes {
         Reply::Data(done)
     }
 
-    /// Takes the last change back, unless somebody else has changed the files since.
+    /// Takes the last change back; what others have changed in other lines since stays.
     pub fn undo(&mut self) -> Reply {
-        let Some(change) = self.done.pop() else {
+        let Some(mut change) = self.done.pop() else {
             return Reply::refused("nothing was changed here that could be taken back", "");
         };
         // The way back is a change as well: the new texts become the old ones.
-        for TextChange { path, new, .. } in &change.texts {
-            if limited_text(path, MOST_TEXT).ok().as_deref() != Some(new) {
-                return Reply::refused(
+        let mut texts = Vec::with_capacity(change.texts.len());
+        for text in &change.texts {
+            let path = &text.path;
+            let now = limited_text(path, MOST_TEXT).ok();
+            let Some(way_back) = now.and_then(|now| way_back(text, now)) else {
+                let reply = Reply::refused(
                     format!("`{}` has been changed by others since; it stays as it is", path.display()),
-                    "take the change back in an editor",
+                    "take the change back in an editor; as soon as the lines are as they were, it can be taken back here as well",
                 );
-            }
+                self.done.push(change);
+                return reply;
+            };
+            texts.push(way_back);
         }
+        change.texts = texts;
         for (n, text) in change.texts.iter().enumerate() {
             if let Err(failure) = take_back(text) {
                 // What is half taken back would be another model.
@@ -193,6 +200,7 @@ impl Changes {
             return Reply::refused("nothing was taken back that could be done again", "");
         };
         if let Err(failure) = write(&change.texts) {
+            self.undone.push(change);
             return refusal(failure);
         }
         let message = format!("{} changed again", names(&change.texts));
@@ -200,6 +208,32 @@ impl Changes {
         self.done.push(change);
         Reply::Data(done)
     }
+}
+
+/// What leads from the text as it is `now` back to the one before a change: nothing where others have changed it since on both sides of
+/// the changed lines, or in them.
+fn way_back(change: &TextChange, now: String) -> Option<TextChange> {
+    let TextChange { path, old, new } = change;
+    if now == *new {
+        return Some(TextChange { path: path.clone(), old: old.clone(), new: now });
+    }
+    let lines = |text: &str| text.split_inclusive('\n').map(str::to_owned).collect::<Vec<String>>();
+    let (old, new, present) = (lines(old.as_ref()?), lines(new), lines(&now));
+    let before = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
+    let rest = old[before..].iter().rev().zip(new[before..].iter().rev());
+    let behind = rest.take_while(|(a, b)| a == b).count();
+    let until = new.len() - behind;
+    // Either all up to the end of what was changed is as it was, or all from its beginning on.
+    let (kept, end) = if present.starts_with(&new[..until]) {
+        (&present[..before], until)
+    } else if present.ends_with(&new[before..]) {
+        let begin = present.len() - (new.len() - before);
+        (&present[..begin], present.len() - behind)
+    } else {
+        return None;
+    };
+    let text = [kept, &old[before..old.len() - behind], &present[end..]].concat().concat();
+    Some(TextChange { path: path.clone(), old: Some(text), new: now })
 }
 
 /// What changes in texts.
@@ -214,4 +248,37 @@ pub fn differences(texts: &[TextChange]) -> String {
 fn names(texts: &[TextChange]) -> String {
     let names: Vec<String> = texts.iter().map(|text| text.path.display().to_string()).collect();
     format!("{} {}", names.join(" and "), if names.len() == 1 { "is" } else { "are" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn back(old: &str, new: &str, now: &str) -> Option<String> {
+        let change = TextChange { path: "a.ron".into(), old: Some(old.to_owned()), new: new.to_owned() };
+        way_back(&change, now.to_owned()).and_then(|back| back.old)
+    }
+
+    #[test]
+    fn what_others_have_changed_in_other_lines_stays() {
+        let (old, new) = ("a\nb\nc\nd", "a\nB\nc\nd");
+        let cases = [
+            (new, Some("a\nb\nc\nd")),
+            ("a\nB\nc\nd\n// more\n", Some("a\nb\nc\nd\n// more\n")),
+            ("a\nB\nc2\nc\nd", Some("a\nb\nc2\nc\nd")),
+            ("// first\na\nB\nc\nd", Some("// first\na\nb\nc\nd")),
+            ("a\nB2\nc\nd", None),
+            ("// first\na\nB\nc\nd\n// last", None),
+            (old, None),
+            ("", None),
+        ];
+        for (now, wanted) in cases {
+            assert_eq!(back(old, new, now).as_deref(), wanted, "{now:?}");
+        }
+        // Lines that came, that went, and all of them.
+        assert_eq!(back("a\nc", "a\nb\nc", "a\nb\nc\nd").as_deref(), Some("a\nc\nd"));
+        assert_eq!(back("a\nc\n", "a\nb\nc\n", "a\nb\nc\nd\n").as_deref(), Some("a\nc\nd\n"));
+        assert_eq!(back("a\nb\nc\n", "a\nc\n", "z\na\nc\n").as_deref(), Some("z\na\nb\nc\n"));
+        assert_eq!(back("a", "b", "b\n").as_deref(), None);
+    }
 }
