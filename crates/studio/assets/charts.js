@@ -120,5 +120,5 @@
     if (chosen >= 0 && chosen < rows) made.append(line(chosen));
     return made;
   };
-  return { plane, curves, parallel, around };
+  return { plane, curves, parallel, around, svg };
 })();

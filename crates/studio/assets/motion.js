@@ -4,7 +4,7 @@
 /* global R, uPlot */
 
 /** @type {any} */ (R).Motion = (() => {
-  const { Desk, Live, Joints, Sequence } = /** @type {any} */ (R);
+  const { Desk, Live, Joints, Sequence, Sketch } = /** @type {any} */ (R);
   /** How long a joint that is dragged may rest before its move is planned, ms. */
   const REST = 15;
   /** @type {any} */ let robot = null;
@@ -179,7 +179,7 @@
     const between = isSequence ? [field('rounding', own, 'zone', 'mm', isLast ? 'not used: no move follows' : 'radius at its end; empty: it stops'), field('wait', own, 'wait', 's', 'at its end'), lines('comment', own, 'comment')] : [];
     const whole = isSequence || typed.singular || typed.head || typed.comment ? [R.make('details', { class: 'more' }, R.make('summary', {}, isSequence ? 'The whole sequence' : 'Comments, nearness to singular poses'),
       field('singular limit', typed, 'singular', 'm and rad', '0.01 if empty'), lines('comment of the file', typed, 'head'), ...(isSequence ? [] : [lines('comment', typed, 'comment')]))] : [];
-    place.fields.replaceChildren(...kind, ...table, place.begins, copies, ...rest, ...between, ...whole);
+    place.fields.replaceChildren(...kind, Sketch.of(own.kind), ...table, place.begins, copies, ...rest, ...between, ...whole);
     begins();
   };
   /** Where the move at hand begins, as far as that is known. */

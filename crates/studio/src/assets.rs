@@ -11,7 +11,7 @@ macro_rules! own {
 }
 
 /// Scripts of the studio, in their order behind those of the page of a run.
-pub(crate) const OWN: [Asset; 21] = [
+pub(crate) const OWN: [Asset; 22] = [
     own!("stream.js"),
     own!("desk.js"),
     own!("project.js"),
@@ -21,6 +21,7 @@ pub(crate) const OWN: [Asset; 21] = [
     own!("live.js"),
     own!("values.js"),
     own!("joints.js"),
+    own!("sketch.js"),
     own!("sequence.js"),
     own!("motion.js"),
     own!("edit.js"),

@@ -574,6 +574,17 @@ fn moves_are_planned_while_one_types_and_kept() {
     let Some(mut page) = shown(&studio) else { return };
     page.value("location.hash = '#motion'");
     page.until("document.querySelectorAll('.axes tbody tr').length === 6");
+    // A picture shows what the fields of each kind mean.
+    for (kind, words) in [
+        ("linear", "The tool goes straight"),
+        ("circular", "The tool goes along"),
+        ("joint", "All axes begin"),
+    ] {
+        page.value(&format!("document.querySelector('input[name=kind][value={kind}]').click()"));
+        page.until(&format!(
+            "document.querySelector('.sketch figcaption').textContent.startsWith('{words}') && document.querySelector('.sketch .course').getBBox().width > 100"
+        ));
+    }
     // Nothing moves yet, which the planner refuses.
     page.until("document.querySelector('.move-result .bad')");
     let field = |name: &str| format!("document.querySelector('input[aria-label=\"{name}\"]')");
