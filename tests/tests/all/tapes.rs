@@ -153,7 +153,7 @@ fn steps_in_a_row_end_where_single_ones_do() {
         r#""s": Sine(amplitude: 2, frequency: "1 Hz"), "l": Relay(on_at: 1, off_at: -1, on: 1, off: -1), "x": Integrator, "w": Scope(inputs: ["y", "law"])"#,
         // A law without a value from 0.7 s on.
         r#""s": Ramp(slope: "-1 1/s", initial: 0.7), "l": Function(function: Sqrt), "x": Integrator, "w": Scope(inputs: ["y"])"#,
-        // A number that is none where somebody records it.
+        // A recorded value that is not finite.
         r#""s": Ramp(slope: "1000 1/s"), "l": Function(function: Exp), "x": Integrator, "w": Scope(inputs: ["y", "law"])"#,
         // The same where no derivative depends on it.
         r#""s": Ramp(slope: "-1 1/s", initial: 0.7), "l": Function(function: Sqrt), "x": Integrator, "w": Scope(inputs: ["y", "law"]), "alone": Terminator"#,

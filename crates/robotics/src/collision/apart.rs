@@ -93,7 +93,7 @@ impl<'c> Apart<'c> {
     /// Before the first pose nothing is known.
     pub fn new(check: &'c Check) -> Self {
         let body = |item: usize| check.items[item].body.unwrap_or(0);
-        // A floor reaches to infinity, of which nothing times is no number.
+        // The reach of a floor is infinite, and zero times infinity is not a number.
         let radius = |item: usize| check.items[item].place.translation.norm() + check.reach[item].min(FAR);
         let radius: Vec<f64> = (0..check.items.len()).map(radius).collect();
         let mut of_bodies: HashMap<[usize; 2], usize> = HashMap::new();
