@@ -361,7 +361,7 @@ impl Runs<'_> {
         if let Way::Tangent = self.ways[number] {
             self.count(1);
             let found = tangent_on(&variants, distance, self.intervals, &mut go_on);
-            // Where there is none any more, differences are taken, which name what is wrong.
+            // Without a result the differences are taken instead: they name what is wrong.
             if let Ok(Some(values)) = found
                 && values.iter().all(|column| column.len() == self.intervals + 1)
             {
