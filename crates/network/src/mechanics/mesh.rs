@@ -11,6 +11,9 @@
 use blocksim_block::physical::{DryMesh, LossModel, MeshLoss};
 use blocksim_solve::linear::{lu_factor, lu_solve};
 
+/// Meshes of the arms that most robots have.
+pub(crate) const ARM: usize = 6;
+
 /// How far the loss of the dissipative law has set in, from -1 to 1: all that it needs a hyperbolic tangent for.
 fn onset(mesh: &MeshLoss, speed: f64) -> f64 {
     match mesh.model {
@@ -19,15 +22,30 @@ fn onset(mesh: &MeshLoss, speed: f64) -> f64 {
     }
 }
 
+/// Shares of the torque that a mesh loses: with `FL = 1 - eta(base to follower)` and `BL = 1/eta(follower to base) - 1`, far above the
+/// threshold the follower gets `eta` of the torque in either direction.
+#[derive(Debug, Clone, Copy, Default)]
+struct Shares {
+    forward: f64,
+    backward: f64,
+}
+
+impl Shares {
+    fn of(mesh: &MeshLoss) -> Self {
+        Self { forward: 1.0 - mesh.forward, backward: 1.0 / mesh.backward - 1.0 }
+    }
+}
+
 /// Loss torque and its derivatives with respect to the torque into the base and the speed of the base, whose [`onset`] is known: no
 /// torque changes it.
-///
-/// With `FL = 1 - eta(base to follower)` and `BL = 1/eta(follower to base) - 1`: far above the threshold the
-/// follower gets `eta` of the torque in either direction.
-#[inline]
-fn loss(mesh: &MeshLoss, torque: f64, speed: f64, onset: f64) -> (f64, f64, f64) {
-    let forward = 1.0 - mesh.forward;
-    let backward = 1.0 / mesh.backward - 1.0;
+#[inline(always)]
+fn loss(
+    mesh: &MeshLoss,
+    Shares { forward, backward }: Shares,
+    torque: f64,
+    speed: f64,
+    onset: f64,
+) -> (f64, f64, f64) {
     match mesh.model {
         LossModel::Dissipative { threshold } => {
             let share = if torque * speed > 0.0 { forward } else { backward };
@@ -57,6 +75,7 @@ pub(crate) struct MeshScratch {
     pub by_speed: Vec<f64>,
     /// Of meshes with stiction: what they lose, and in which direction they slide; 0 when they are stuck.
     pub dry: Vec<(DryMesh, f64)>,
+    shares: Vec<Shares>,
     /// Of dissipative meshes, for the iteration at hand.
     onset: Vec<f64>,
     by_torque: Vec<f64>,
@@ -68,12 +87,14 @@ pub(crate) struct MeshScratch {
 }
 
 impl MeshScratch {
-    pub(crate) fn new(n: usize) -> Self {
+    pub(crate) fn new(meshes: &[MeshLoss]) -> Self {
+        let n = meshes.len();
         Self {
             torque: vec![0.0; n],
             loss: vec![0.0; n],
             by_speed: vec![0.0; n],
             dry: vec![(DryMesh::default(), 0.0); n],
+            shares: meshes.iter().map(Shares::of).collect(),
             onset: vec![0.0; n],
             by_torque: vec![0.0; n],
             residual: vec![0.0; n],
@@ -85,24 +106,36 @@ impl MeshScratch {
     }
 
     /// `F(z) = z - phi(z) + K phi(z) - c`, with stiction `F(z) = z + K phi(z) - c`; leaves losses and their derivatives behind. Returns its largest element.
-    fn residual(&mut self, meshes: &[MeshLoss], speed: &[f64], k: &[f64], c: &[f64], at_trial: bool) -> f64 {
-        let n = meshes.len();
-        let z = if at_trial { &self.trial } else { &self.torque };
-        for (i, mesh) in meshes.iter().enumerate() {
-            (self.loss[i], self.by_torque[i], self.by_speed[i]) = match (mesh.model, &self.dry[i]) {
+    #[inline(always)]
+    fn residual(&mut self, law: &Coupled, at_trial: bool, n: usize) -> f64 {
+        let z = if at_trial { &self.trial[..n] } else { &self.torque[..n] };
+        let (meshes, speed) = (&law.meshes[..n], &law.speed[..n]);
+        let (onset, shares, dry) = (&self.onset[..n], &self.shares[..n], &self.dry[..n]);
+        let (losses, residual) = (&mut self.loss[..n], &mut self.residual[..n]);
+        let (by_torque, by_speed) = (&mut self.by_torque[..n], &mut self.by_speed[..n]);
+        for i in 0..n {
+            (losses[i], by_torque[i], by_speed[i]) = match (meshes[i].model, &dry[i]) {
                 (LossModel::Stiction, (_, 0.0)) => (0.0, 0.0, 0.0),
                 (LossModel::Stiction, (law, sense)) => law.loss(z[i], *sense),
-                _ => loss(mesh, z[i], speed[i], self.onset[i]),
+                _ => loss(&meshes[i], shares[i], z[i], speed[i], onset[i]),
             };
         }
         let mut largest = 0.0_f64;
-        for i in 0..n {
-            let coupled: f64 = k[i * n..(i + 1) * n].iter().zip(&self.loss).map(|(k, loss)| k * loss).sum();
-            self.residual[i] = z[i] - own(&meshes[i]) * self.loss[i] + coupled - c[i];
-            largest = largest.max(self.residual[i].abs());
+        for (i, k) in law.k[..n * n].chunks_exact(n).enumerate() {
+            let coupled: f64 = k.iter().zip(&*losses).map(|(k, loss)| k * loss).sum();
+            residual[i] = z[i] - own(&meshes[i]) * losses[i] + coupled - law.c[..n][i];
+            largest = largest.max(residual[i].abs());
         }
         largest
     }
+}
+
+/// What couples meshes: `z - phi(z) + K phi(z) = c`, with the speeds of their bases.
+struct Coupled<'k> {
+    meshes: &'k [MeshLoss],
+    speed: &'k [f64],
+    k: &'k [f64],
+    c: &'k [f64],
 }
 
 /// Whether the loss follows from the torque into the base, its own part included (1), or from the rest (0).
@@ -117,24 +150,33 @@ const ITERATIONS: usize = 60;
 /// halving. Returns `false` when no solution was found, which happens in the self-locking regime that the law
 /// does not model.
 pub(crate) fn solve(s: &mut MeshScratch, meshes: &[MeshLoss], speed: &[f64], k: &[f64], c: &[f64]) -> bool {
-    let n = meshes.len();
+    let law = Coupled { meshes, speed, k, c };
+    // The arms that most robots have are told to the compiler, which unrolls them.
+    match meshes.len() {
+        ARM => iterate(s, &law, ARM),
+        n => iterate(s, &law, n),
+    }
+}
+
+#[inline(always)]
+fn iterate(s: &mut MeshScratch, law: &Coupled, n: usize) -> bool {
+    let (meshes, speed, c) = (&law.meshes[..n], &law.speed[..n], &law.c[..n]);
     s.torque.copy_from_slice(c);
-    s.onset
-        .iter_mut()
-        .zip(meshes.iter().zip(speed))
-        .for_each(|(to, (mesh, speed))| *to = onset(mesh, *speed));
+    let onsets = s.onset[..n].iter_mut().zip(meshes.iter().zip(speed));
+    onsets.for_each(|(to, (mesh, speed))| *to = onset(mesh, *speed));
     let scale = c.iter().fold(1e-9_f64, |max, value| max.max(value.abs()));
-    let mut error = s.residual(meshes, speed, k, c, false);
+    let mut error = s.residual(law, false, n);
     for _ in 0..ITERATIONS {
         if error <= 1e-13 * scale {
             return true;
         }
-        for (i, (row, k)) in s.jacobian.chunks_exact_mut(n).zip(k.chunks_exact(n)).enumerate() {
-            let columns = k.iter().zip(&s.by_torque);
-            row.iter_mut().zip(columns).for_each(|(to, (k, by_torque))| *to = k * by_torque);
-            row[i] = 1.0 + (k[i] - own(&meshes[i])) * s.by_torque[i];
+        let by_torque = &s.by_torque[..n];
+        let rows = s.jacobian[..n * n].chunks_exact_mut(n).zip(law.k[..n * n].chunks_exact(n));
+        for (i, (row, k)) in rows.enumerate() {
+            row.iter_mut().zip(k.iter().zip(by_torque)).for_each(|(to, (k, by_torque))| *to = k * by_torque);
+            row[i] = 1.0 + (k[i] - own(&meshes[i])) * by_torque[i];
         }
-        s.direction.copy_from_slice(&s.residual);
+        s.direction[..n].copy_from_slice(&s.residual[..n]);
         if lu_factor(&mut s.jacobian, &mut s.pivots).is_err() {
             return false;
         }
@@ -142,8 +184,10 @@ pub(crate) fn solve(s: &mut MeshScratch, meshes: &[MeshLoss], speed: &[f64], k: 
         let before = error;
         let mut step = 1.0;
         loop {
-            s.trial.iter_mut().zip(&s.torque).zip(&s.direction).for_each(|((to, z), d)| *to = z - step * d);
-            error = s.residual(meshes, speed, k, c, true);
+            let (torque, direction) = (&s.torque[..n], &s.direction[..n]);
+            let trials = s.trial[..n].iter_mut().zip(torque.iter().zip(direction));
+            trials.for_each(|(to, (z, d))| *to = z - step * d);
+            error = s.residual(law, true, n);
             if error < before || step < 1e-3 {
                 break;
             }
@@ -163,7 +207,7 @@ mod tests {
     use super::*;
 
     fn loss_at(mesh: &MeshLoss, torque: f64, speed: f64) -> (f64, f64, f64) {
-        loss(mesh, torque, speed, onset(mesh, speed))
+        loss(mesh, Shares::of(mesh), torque, speed, onset(mesh, speed))
     }
 
     fn published(forward: f64, backward: f64) -> MeshLoss {
@@ -231,7 +275,7 @@ mod tests {
         let stiff = [MeshLoss { model: LossModel::Stiction, ..smooth[0] }];
         let law = DryMesh { share: [1.0 / 0.8 - 1.0, 1.0 - 0.7], ..DryMesh::default() };
         for (c, sense, k) in [(4.0, 1.0, 0.0), (4.0, -1.0, 0.3), (-2.0, 1.0, 0.9), (-2.0, -1.0, 0.5)] {
-            let (mut a, mut b) = (MeshScratch::new(1), MeshScratch::new(1));
+            let (mut a, mut b) = (MeshScratch::new(&smooth), MeshScratch::new(&stiff));
             assert!(solve(&mut a, &smooth, &[sense], &[k], &[c]));
             b.dry[0] = (law, sense);
             assert!(solve(&mut b, &stiff, &[sense], &[k], &[c]));
@@ -244,7 +288,7 @@ mod tests {
         // K = 0: what passes through (c) is given, z - phi(z) = c, so z = c / eta when the base drives.
         let meshes =
             [MeshLoss { forward: 0.8, backward: 0.7, model: LossModel::Dissipative { threshold: 1.0 } }];
-        let mut s = MeshScratch::new(1);
+        let mut s = MeshScratch::new(&meshes);
         assert!(solve(&mut s, &meshes, &[100.0], &[0.0], &[4.0]));
         assert!((s.torque[0] - 5.0).abs() < 1e-12, "{}", s.torque[0]);
         assert!(solve(&mut s, &meshes, &[-100.0], &[0.0], &[4.0]));

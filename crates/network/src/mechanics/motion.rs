@@ -5,19 +5,29 @@ use blocksim_block::physical::Torque;
 use blocksim_multibody::mass_and_bias;
 use blocksim_solve::linear::cholesky_solve_matrix;
 
-use crate::mechanics::mesh;
+use crate::mechanics::mesh::{self, ARM};
+use crate::mechanics::rotation::LossyGear;
 use crate::network::Network;
 use crate::seat::MOTION;
 use crate::work::Work;
 
-/// `to += factor * from`. The arms that most robots have are told to the compiler, which unrolls them.
+/// What the loss of each mesh takes from the torque into each other one, row by row.
 #[inline(always)]
-fn add_scaled(to: &mut [f64], factor: f64, from: &[f64]) {
-    const AXES: usize = 6;
-    let n = to.len().min(from.len());
-    match n {
-        AXES => to[..AXES].iter_mut().zip(&from[..AXES]).for_each(|(to, value)| *to += factor * value),
-        _ => to[..n].iter_mut().zip(&from[..n]).for_each(|(to, value)| *to += factor * value),
+fn couple(gears: &[LossyGear], columns: &[f64], coupling: &mut [f64], g: usize) {
+    for (gear, row) in gears.iter().zip(coupling.chunks_exact_mut(g)) {
+        row.iter_mut().zip(&gear.by_loss[..g]).for_each(|(to, by_loss)| *to = -by_loss);
+        for (speed, factor) in gear.by_acceleration.terms() {
+            let column = &columns[*speed as usize * g..][..g];
+            row.iter_mut().zip(column).for_each(|(to, value)| *to += factor * value);
+        }
+    }
+}
+
+/// Takes from the accelerations what the losses of meshes do to them.
+#[inline(always)]
+fn take_losses(dv: &mut [f64], columns: &[f64], loss: &[f64], g: usize) {
+    for (dv, row) in dv.iter_mut().zip(columns.chunks_exact(g)) {
+        *dv = loss[..g].iter().zip(row).fold(*dv, |dv, (loss, column)| dv - loss * column);
     }
 }
 
@@ -151,13 +161,12 @@ impl Network {
                 w.mesh_lambda[h * m..(h + 1) * m].copy_from_slice(&w.schur.lambda[..m]);
             }
         }
-        for (i, gear) in r.gears.iter().enumerate() {
-            let row = &mut w.coupling[i * g..(i + 1) * g];
-            row.iter_mut().zip(&gear.by_loss).for_each(|(to, by_loss)| *to = -by_loss);
-            for (speed, factor) in gear.by_acceleration.terms() {
-                add_scaled(row, *factor, &w.columns[*speed as usize * g..(*speed as usize + 1) * g]);
-            }
-            if !w.rows.is_empty() {
+        match g {
+            ARM => couple(&r.gears, &w.columns, &mut w.coupling, ARM),
+            g => couple(&r.gears, &w.columns, &mut w.coupling, g),
+        }
+        if !w.rows.is_empty() {
+            for i in 0..g {
                 for h in 0..g {
                     // What is stuck gives way to the loss: its share of the torques changes as well.
                     let held: f64 =
@@ -173,8 +182,9 @@ impl Network {
             }));
             return;
         }
-        for (dv, row) in w.dv.iter_mut().zip(w.columns.chunks_exact(g)) {
-            *dv = w.mesh.loss.iter().zip(row).fold(*dv, |dv, (loss, column)| dv - loss * column);
+        match g {
+            ARM => take_losses(&mut w.dv, &w.columns, &w.mesh.loss, ARM),
+            g => take_losses(&mut w.dv, &w.columns, &w.mesh.loss, g),
         }
         for (h, loss) in w.mesh.loss.iter().enumerate() {
             for (lambda, share) in w.lambda.iter_mut().zip(&w.mesh_lambda[h * m..(h + 1) * m]) {

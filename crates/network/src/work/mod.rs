@@ -222,7 +222,7 @@ impl Work {
             struck: false,
             bounce: vec![0.0; frictions],
             residual: vec![0.0; r.nodes.len() + j],
-            mesh: MeshScratch::new(g),
+            mesh: MeshScratch::new(&network.meshes),
             mesh_speed: vec![0.0; g],
             coupling: vec![0.0; g * g],
             through: vec![0.0; g],
