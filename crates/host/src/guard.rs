@@ -276,17 +276,17 @@ impl Odd {
 /// Whether all guards are whole, and so is what is given.
 #[inline]
 fn is_whole(words: &[u64], given: &[Given], wanted: &[Wanted]) -> bool {
-    let (mut odd, mut same) = (Odd([0; GUARD]), true);
+    let (mut odd, mut changed) = (Odd([0; GUARD]), 0);
     let mut rest = odd.guard(words);
     for Given { numbers, .. } in given {
         let (copies, behind) = rest.split_at(numbers.len());
-        same = same && copies.iter().zip(*numbers).all(|(word, number)| *word == number.to_bits());
+        changed |= copies.iter().zip(*numbers).fold(0, |all, (word, number)| all | (word ^ number.to_bits()));
         rest = odd.guard(behind);
     }
     for wanted in wanted {
         rest = odd.guard(&rest[wanted.numbers.len()..]);
     }
-    same && odd.0.iter().fold(0, |all, word| all | word) == 0
+    odd.0.iter().fold(changed, |all, word| all | word) == 0
 }
 
 /// What was written that must not be, where something was.
