@@ -37,12 +37,13 @@ impl Block for Network {
         if matches!(group, ELECTRICS | MOTION) {
             self.held_circuits(c, w);
         }
+        self.show(group, c, w, y);
         for seat in self.active.measures[group].iter().map(|i| &self.seats[*i]) {
             if let (ELECTRICS, Some(held)) = (group, &seat.held) {
                 self.measure_mean(c, seat, held, w, &mut y[seat.y.clone()]);
-            } else if let (Some(needs), Some(component)) = (seat.measures[group], seat.component()) {
+            } else {
                 let law = if group == MOTION { self.whole_law(c, seat, w) } else { self.law(c, seat, w) };
-                component.measure(&law, needs, &mut y[seat.y.clone()]);
+                seat.measure(&law, group, &mut y[seat.y.clone()]);
             }
         }
         if group == MOTION {

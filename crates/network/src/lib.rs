@@ -19,6 +19,7 @@
 //! | `energy`, `accounts` | what becomes of energy, and its books |
 //! | `describe` | what others may see of the mechanics |
 //! | `network`, `member`, `seat` | its values, its members and where theirs lie |
+//! | `readings` | outputs that are numbers of the network |
 //! | `work`, `law` | the working space of an evaluation, and what members see of it |
 //! | `start`, `block` | what must hold before a run; the network as a block |
 
@@ -34,6 +35,7 @@ mod mechanics;
 mod member;
 mod network;
 mod problem;
+mod readings;
 mod seat;
 mod start;
 mod work;

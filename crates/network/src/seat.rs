@@ -8,6 +8,7 @@ use blocksim_block::{Block, Context};
 
 use crate::electrics::{Electrics, GivenBy, Island, Joined};
 use crate::member::Member;
+use crate::readings::{Givers, Read, Shown};
 
 /// Output group of what depends on states alone.
 pub(crate) const STATE: usize = 0;
@@ -65,8 +66,12 @@ pub(crate) struct Seat {
     pub is_capacitance: bool,
     /// Its readings follow from states alone.
     pub is_early: bool,
-    /// Which outputs it has, by group, under the need that the component knows them by.
+    /// Which outputs the component computes, by group, under the need that it knows them by.
     pub measures: [Option<Needs>; 4],
+    /// The outputs that are numbers of the network.
+    pub reads: Vec<Read>,
+    /// The voltages and currents that it gives as it finds them.
+    pub gives: Givers,
     /// Of which lists it has a share.
     pub shares: Shares,
 }
@@ -205,6 +210,8 @@ pub(crate) struct Active {
     pub guards_of_state: bool,
     pub time_events: Vec<usize>,
     pub measures: [Vec<usize>; 4],
+    /// Outputs that are numbers of the network, by group.
+    pub shown: [Vec<Shown>; 4],
     /// Whether a member measures how frames accelerate.
     pub accelerations: bool,
     /// The members of each circuit, by what they do in it.
@@ -266,8 +273,8 @@ impl Active {
                 .iter()
                 .all(|seat| seat.g.is_empty() || seat.held.is_none() && seat.member.part.guards_of_state),
             time_events: which(&|seat| seat.held.is_none() && seat.member.part.time_events),
-            measures: [STATE, ELECTRICS, MOTION, CHARGE]
-                .map(|group| which(&|seat| seat.measures[group].is_some())),
+            measures: [STATE, ELECTRICS, MOTION, CHARGE].map(|group| which(&|seat| seat.is_asked(group))),
+            shown: [STATE, ELECTRICS, MOTION, CHARGE].map(|group| Shown::of(seats, group)),
             accelerations: seats
                 .iter()
                 .any(|seat| !seat.frames.is_empty() && seat.measures[MOTION].is_some()),

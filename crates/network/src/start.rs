@@ -136,7 +136,7 @@ impl Network {
             component.strike(&law, (border(crossing) * &psi).as_slice(), &mut x);
             let law = Law { x: &x, ..law };
             let mut currents = vec![0.0; seat.windings.len()];
-            component.currents(&law, &mut currents);
+            seat.member.part.write_currents(component, &law, &mut currents);
             let first = self.electrics.sources + seat.windings.start;
             w.given[first..first + currents.len()].copy_from_slice(&currents);
             starts.push((crossing.member, x));

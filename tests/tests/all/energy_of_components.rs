@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use blocksim_block::physical::{
-    Characteristics, Element, ElementPlace, Energy, FrameMotion, Freedom, JointMotion, Law, Supply, Torque,
-    Wrench,
+    Characteristics, Element, ElementPlace, Energy, FrameMotion, Freedom, JointMotion, Law, Part, Reading,
+    Supply, Torque, Wrench,
 };
 use blocksim_block::{Block, Given, kinds};
 use blocksim_blocks as _;
@@ -153,6 +153,7 @@ fn has_speed(element: &Element) -> bool {
 struct Point {
     block: Arc<dyn Block>,
     elements: Vec<Element>,
+    part: Part,
     /// Whether what flows through an element at its across quantity is power.
     is_power: Vec<bool>,
     places: Vec<ElementPlace>,
@@ -193,7 +194,7 @@ impl Point {
                 .then(|| part.elements[..*index].iter().filter(is_law).count()),
         };
         let places = part.handles.iter().map(place).collect();
-        let elements = part.elements;
+        let elements = part.elements.clone();
         let pins = elements.iter().filter(|e| has_speed(e)).count();
         let frames =
             elements.iter().filter(|e| matches!(e, Element::FrameForce { .. } | Element::FrameProbe { .. }));
@@ -242,6 +243,7 @@ impl Point {
                 .collect(),
             turned,
             elements,
+            part,
             is_power,
             places,
         };
@@ -280,11 +282,25 @@ impl Point {
         let count = |which: &dyn Fn(&Element) -> bool| self.elements.iter().filter(|e| which(e)).count();
         let (mut v, mut i) = (vec![0.0; count(&is_source)], vec![0.0; count(&is_winding)]);
         // A network asks for what there is.
+        let part = &self.part;
+        for reading in part.readings.iter().flatten() {
+            let is_there = match reading {
+                Reading::Voltage(handle) | Reading::Current(handle) => {
+                    part.handles.iter().any(|(name, _)| name == handle)
+                }
+                Reading::State(i) => *i < part.states.len(),
+                _ => true,
+            };
+            assert!(is_there, "{reading:?} is of nothing");
+        }
+        for (given, count) in [(&part.voltages, v.len()), (&part.currents, i.len())] {
+            assert!(given.is_empty() || given.len() == count, "all of them or none: {given:?} of {count}");
+        }
         if !v.is_empty() {
-            component.voltages(&self.law(), &mut v);
+            part.write_voltages(component, &self.law(), &mut v);
         }
         if !i.is_empty() {
-            component.currents(&self.law(), &mut i);
+            part.write_currents(component, &self.law(), &mut i);
         }
         let law = |e: &Element| matches!(e, Element::Characteristic { .. });
         let mut at = 0;
@@ -390,6 +406,7 @@ impl Point {
         Self {
             block: self.block.clone(),
             elements: self.elements.clone(),
+            part: self.part.clone(),
             is_power: self.is_power.clone(),
             places: self.places.clone(),
             t: self.t + h,

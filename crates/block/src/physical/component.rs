@@ -14,7 +14,7 @@ pub trait Component: Any + Debug + Send + Sync {
     /// Ports, signals, states and elements.
     fn part(&self, given: &Given) -> Part;
 
-    /// Voltage of each voltage source and capacitance, V.
+    /// Voltage of each voltage source and capacitance, V; not asked for where the part [says them](Part::voltage_is).
     fn voltages(&self, _c: &Law, _v: &mut [f64]) {}
 
     /// Derivative of each voltage of [`voltages`](Self::voltages), or of the three phases of the supply, V/s. Only when the part says
@@ -29,7 +29,7 @@ pub trait Component: Any + Debug + Send + Sync {
     /// Prescribed speed and its derivative of each speed source.
     fn speeds(&self, _c: &Law, _w: &mut [f64], _dw: &mut [f64]) {}
 
-    /// Current of each winding and current source, A.
+    /// Current of each winding and current source, A; not asked for where the part [says them](Part::current_is).
     fn currents(&self, _c: &Law, _i: &mut [f64]) {}
 
     /// Derivative of the current of each current source, A/s. Only when the part says [`Part::rates`].
@@ -128,7 +128,8 @@ pub trait Component: Any + Debug + Send + Sync {
         f64::INFINITY
     }
 
-    /// Writes all outputs of one need. `y` holds all outputs of the component, port after port.
+    /// Writes all outputs of one need, but for those that are [numbers of the network](Part::reads). `y` holds all outputs of the
+    /// component, port after port.
     fn measure(&self, _c: &Law, _needs: Needs, _y: &mut [f64]) {}
 }
 

@@ -21,6 +21,7 @@ mod law;
 mod loss;
 mod part;
 mod port;
+mod reading;
 mod supply;
 
 pub use characteristic::{Characteristics, ElementPlace, Handle};
@@ -33,4 +34,5 @@ pub use law::{FrameMotion, JointMotion, Law};
 pub use loss::{DryMesh, LossModel, MeshLoss};
 pub use part::{HEAT, Needs, Part};
 pub use port::{Domain, PhysicalPort, Pin};
+pub use reading::{Gives, Reading};
 pub use supply::{Supply, from_space_vector, space_vector};

@@ -3,7 +3,7 @@
 use blocksim_scene::Shape;
 use blocksim_signal::Unit;
 
-use super::{Domain, Element, Handle, PhysicalPort, Pin};
+use super::{Component, Domain, Element, Gives, Handle, Law, PhysicalPort, Pin, Reading};
 use crate::event::{Change, Event, FRICTION};
 use crate::{Crossing, Discrete, Guard, Input, Interface, Output, State};
 
@@ -40,6 +40,8 @@ pub struct Part {
     pub inputs: Vec<Input>,
     /// Signal outputs and what they need.
     pub outputs: Vec<(Output, Needs)>,
+    /// The number of the network that each output is; none where [`Component::measure`](super::Component::measure) computes it.
+    pub readings: Vec<Option<Reading>>,
     /// Continuous states.
     pub states: Vec<State>,
     /// States that may go on moving where everything else is steady, by number.
@@ -74,6 +76,10 @@ pub struct Part {
     pub currents_follow: bool,
     /// What the component contributes.
     pub elements: Vec<Element>,
+    /// The voltage of each source and capacitance, where [`Component::voltages`] need not compute them.
+    pub voltages: Vec<Gives>,
+    /// The current of each winding and current source, where [`Component::currents`] need not compute them.
+    pub currents: Vec<Gives>,
     /// Names of elements, with their indices in `elements`.
     pub handles: Vec<(Handle, usize)>,
     /// What is seen of the component: a frame port and a shape fixed to it. It acts on nothing.
@@ -127,12 +133,25 @@ impl Part {
     /// Adds an output.
     pub fn output(mut self, output: Output, needs: Needs) -> Self {
         self.outputs.push((output, needs));
+        self.readings.push(None);
+        self
+    }
+
+    /// Adds a scalar output that is a number of the network: [`Component::measure`](super::Component::measure) leaves it alone.
+    pub fn output_read(mut self, output: Output, reading: Reading) -> Self {
+        self.outputs.push((output, reading.needs()));
+        self.readings.push(Some(reading));
         self
     }
 
     /// Adds a scalar output in a unit.
     pub fn measures(self, name: &str, unit: &str, needs: Needs, doc: &'static str) -> Self {
         self.output(Output::real(name).unit(unit).doc(doc), needs)
+    }
+
+    /// Adds a scalar output in a unit that is a number of the network.
+    pub fn reads(self, name: &str, unit: &str, reading: Reading, doc: &'static str) -> Self {
+        self.output_read(Output::real(name).unit(unit).doc(doc), reading)
     }
 
     /// Adds a state.
@@ -272,6 +291,36 @@ impl Part {
     pub fn element(mut self, element: Element) -> Self {
         self.elements.push(element);
         self
+    }
+
+    /// The voltage of the next source or capacitance; all of them or none.
+    pub fn voltage_is(mut self, gives: Gives) -> Self {
+        self.voltages.push(gives);
+        self
+    }
+
+    /// The current of the next winding or current source; all of them or none.
+    pub fn current_is(mut self, gives: Gives) -> Self {
+        self.currents.push(gives);
+        self
+    }
+
+    /// Writes the voltage of each source and capacitance, V.
+    pub fn write_voltages(&self, component: &dyn Component, law: &Law, v: &mut [f64]) {
+        if self.voltages.is_empty() {
+            component.voltages(law, v);
+        } else {
+            v.iter_mut().zip(&self.voltages).for_each(|(v, gives)| *v = gives.of(law));
+        }
+    }
+
+    /// Writes the current of each winding and current source, A.
+    pub fn write_currents(&self, component: &dyn Component, law: &Law, i: &mut [f64]) {
+        if self.currents.is_empty() {
+            component.currents(law, i);
+        } else {
+            i.iter_mut().zip(&self.currents).for_each(|(i, gives)| *i = gives.of(law));
+        }
     }
 
     /// Adds an element with a name, by which laws find its values.

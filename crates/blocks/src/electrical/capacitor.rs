@@ -34,11 +34,8 @@ impl Component for Capacitor {
                 state: 0,
                 start: self.v0,
             })
-            .measures("v", "V", Needs::State, "voltage from p to n")
-    }
-
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
-        v[0] = c.x[0];
+            .voltage_is(Gives::State(0))
+            .reads("v", "V", Reading::State(0), "voltage from p to n")
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
@@ -47,9 +44,5 @@ impl Component for Capacitor {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::stored(0.5 * self.c * c.x[0] * c.x[0])
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.x[0];
     }
 }

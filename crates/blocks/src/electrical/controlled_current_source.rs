@@ -22,10 +22,7 @@ impl Component for ControlledCurrentSource {
             .input(Input::real("di").scalar().unit("A/s").default(0.0).doc("derivative of i"))
             .rate_input()
             .element(Element::CurrentSource { p: Pin::Port(0), n: Pin::Port(1) })
-    }
-
-    fn currents(&self, c: &Law, i: &mut [f64]) {
-        i[0] = c.scalar(0);
+            .current_is(Gives::Input(0))
     }
 
     fn current_rates(&self, c: &Law, di: &mut [f64]) {

@@ -21,10 +21,7 @@ impl Component for ControlledVoltageSource {
             .input(Input::real("dv").scalar().unit("V/s").default(0.0).doc("derivative of v"))
             .rate_input()
             .element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
-    }
-
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
-        v[0] = c.scalar(0);
+            .voltage_is(Gives::Input(0))
     }
 
     fn voltage_rates(&self, c: &Law, dv: &mut [f64]) {
@@ -40,7 +37,8 @@ mod tests {
     #[test]
     fn the_voltage_is_the_input() {
         let mut v = [0.0];
-        ControlledVoltageSource.voltages(&Law { u: &[-48.0, 0.0], ..law() }, &mut v);
+        let part = ControlledVoltageSource.part(&Given::nothing());
+        part.write_voltages(&ControlledVoltageSource, &Law { u: &[-48.0, 0.0], ..law() }, &mut v);
         assert_eq!(v[0], -48.0);
     }
 }

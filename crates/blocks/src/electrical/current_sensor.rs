@@ -1,4 +1,4 @@
-use blocksim_block::physical::{Element, Pin};
+use blocksim_block::physical::{Element, Handle, Pin};
 use blocksim_block::prelude::*;
 
 /// Measures the current from `p` to `n`; it is a wire.
@@ -10,15 +10,13 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = Meter("A"))]
 pub struct CurrentSensor;
 
+const PROBE: Handle = Handle::new("probe");
+
 impl Component for CurrentSensor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()
             .pins()
-            .measures("i", "A", Needs::Electrics, "current from p to n")
-            .element(Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) })
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current[0];
+            .reads("i", "A", Reading::Current(PROBE), "current from p to n")
+            .named(PROBE, Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) })
     }
 }

@@ -61,8 +61,8 @@ impl Component for ExponentialDiode {
         let junction = Element::Characteristic { p: Pin::Inner(0), n, conductance: 1e-4, guess: 0.0 };
         part.named(JUNCTION, junction)
             .named(WHOLE, Element::VoltageProbe { p, n })
-            .measures("i", "A", Needs::Electrics, "current from p (anode) to n (cathode)")
-            .measures("v", "V", Needs::Electrics, "voltage from p to n")
+            .reads("i", "A", Reading::Current(JUNCTION), "current from p (anode) to n (cathode)")
+            .reads("v", "V", Reading::Voltage(WHOLE), "voltage from p to n")
     }
 
     fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
@@ -74,10 +74,6 @@ impl Component for ExponentialDiode {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::dissipated(c.voltage(JUNCTION) * c.current(JUNCTION))
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y.copy_from_slice(&[c.current(JUNCTION), c.voltage(WHOLE)]);
     }
 }
 

@@ -24,13 +24,9 @@ impl Component for Inductor {
     fn part(&self, _given: &Given) -> Part {
         let winding = Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true };
         let start = self.i0.unwrap_or(0.0);
-        let part = Part::new().pins().state_in("i", start, "A").element(winding);
-        let part = part.measures("i", "A", Needs::State, "current from p to n");
+        let part = Part::new().pins().state_in("i", start, "A").element(winding).current_is(Gives::State(0));
+        let part = part.reads("i", "A", Reading::State(0), "current from p to n");
         if self.i0.is_none() { part.currents_follow() } else { part }
-    }
-
-    fn currents(&self, c: &Law, i: &mut [f64]) {
-        i[0] = c.x[0];
     }
 
     fn reluctance(&self, _c: &Law, _internal: &mut [f64], inverse: &mut [f64]) {
@@ -47,9 +43,5 @@ impl Component for Inductor {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::stored(0.5 * self.l * c.x[0] * c.x[0])
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.x[0];
     }
 }

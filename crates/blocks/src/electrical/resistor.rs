@@ -60,10 +60,10 @@ impl Component for Resistor {
         } else {
             Part::new().pins().named(BODY, Element::Resistance { p, n, resistance: self.r })
         };
-        part.measures("v", "V", Needs::Electrics, "voltage from p to n").measures(
+        part.reads("v", "V", Reading::Voltage(BODY), "voltage from p to n").reads(
             "i",
             "A",
-            Needs::Electrics,
+            Reading::Current(BODY),
             "current from p to n",
         )
     }
@@ -85,10 +85,6 @@ impl Component for Resistor {
     fn energy(&self, c: &Law) -> Energy {
         // A resistance is booked by the network.
         if self.heat_port { Energy::dissipated(c.voltage(BODY) * c.current(BODY)) } else { Energy::default() }
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y.copy_from_slice(&[c.voltage(BODY), c.current(BODY)]);
     }
 }
 

@@ -73,12 +73,9 @@ impl Component for SaturatingInductor {
             .pins()
             .state_in("i", self.i0, "A")
             .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
+            .current_is(Gives::State(0))
             .measures("i", "A", Needs::State, "current from p to n")
             .measures("psi", "Wb", Needs::State, "flux linkage")
-    }
-
-    fn currents(&self, c: &Law, i: &mut [f64]) {
-        i[0] = c.x[0];
     }
 
     fn reluctance(&self, c: &Law, _internal: &mut [f64], inverse: &mut [f64]) {

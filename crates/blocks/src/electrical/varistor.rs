@@ -40,8 +40,8 @@ impl Component for Varistor {
                 BODY,
                 Element::Characteristic { p: Pin::Port(0), n: Pin::Port(1), conductance, guess: 0.0 },
             )
-            .measures("i", "A", Needs::Electrics, "current from p to n")
-            .measures("v", "V", Needs::Electrics, "voltage from p to n")
+            .reads("i", "A", Reading::Current(BODY), "current from p to n")
+            .reads("v", "V", Reading::Voltage(BODY), "voltage from p to n")
     }
 
     fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
@@ -54,10 +54,6 @@ impl Component for Varistor {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::dissipated(c.voltage(BODY) * c.current(BODY))
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y.copy_from_slice(&[c.current(BODY), c.voltage(BODY)]);
     }
 }
 

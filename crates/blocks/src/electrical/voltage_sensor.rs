@@ -1,4 +1,4 @@
-use blocksim_block::physical::{Element, Pin};
+use blocksim_block::physical::{Element, Handle, Pin};
 use blocksim_block::prelude::*;
 
 /// Measures the voltage from `p` to `n` without drawing current.
@@ -10,15 +10,13 @@ use blocksim_block::prelude::*;
 #[block(category = "Electrical", symbol = Meter("V"))]
 pub struct VoltageSensor;
 
+const PROBE: Handle = Handle::new("probe");
+
 impl Component for VoltageSensor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()
             .pins()
-            .measures("v", "V", Needs::Electrics, "voltage from p to n")
-            .element(Element::VoltageProbe { p: Pin::Port(0), n: Pin::Port(1) })
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.voltage[0];
+            .reads("v", "V", Reading::Voltage(PROBE), "voltage from p to n")
+            .named(PROBE, Element::VoltageProbe { p: Pin::Port(0), n: Pin::Port(1) })
     }
 }

@@ -68,8 +68,8 @@ impl Component for ElasticGear {
         let teeth = part.ports.len();
         let part = part
             .inner("teeth", Domain::Rotational)
-            .measures("phi", "rad", Needs::State, "twist seen from the follower")
-            .measures("tau", "N*m", Needs::Motion, "torque into the base")
+            .reads("phi", "rad", Reading::State(0), "twist seen from the follower")
+            .reads("tau", "N*m", Reading::Mesh(0), "torque into the base")
             .state("phi", self.phi0)
             .element(Element::Gear {
                 base: 0,
@@ -99,14 +99,6 @@ impl Component for ElasticGear {
 
     fn energy(&self, c: &Law) -> Energy {
         self.shaft().energy(c.x[0], c.speed[0])
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => y[0] = c.x[0],
-            Needs::Electrics => {}
-            Needs::Motion => y[1] = c.mesh[0],
-        }
     }
 }
 

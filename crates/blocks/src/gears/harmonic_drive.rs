@@ -55,10 +55,6 @@ impl Component for HarmonicDrive {
     fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
         losses.fill(self.losses.mesh().dry());
     }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.mesh[0];
-    }
 }
 
 #[cfg(test)]

@@ -155,7 +155,7 @@ impl Mesh {
         Part::new()
             .port("base", Domain::Rotational, "input side")
             .port("follower", follower, "output side")
-            .measures("tau", "N*m", Needs::Motion, "torque into the base")
+            .reads("tau", "N*m", Reading::Mesh(0), "torque into the base")
             .element(Element::Gear { base: 0, follower: 1, ratio, loss: self.element() })
             .heat_port(self.onset.heat_port)
     }

@@ -48,8 +48,8 @@ impl Component for CheckValve {
     fn part(&self, _given: &Given) -> Part {
         ends()
             .named(SEAT, self.opening.element(Pin::Port(0), Pin::Port(1), self.area))
-            .measures("q", "m^3/s", Needs::Electrics, "volume flow from a to b")
-            .measures("dp", "Pa", Needs::Electrics, "pressure at a above that at b")
+            .reads("q", "m^3/s", Reading::Current(SEAT), "volume flow from a to b")
+            .reads("dp", "Pa", Reading::Voltage(SEAT), "pressure at a above that at b")
     }
 
     fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
@@ -63,10 +63,6 @@ impl Component for CheckValve {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::dissipated(c.voltage(SEAT) * c.current(SEAT))
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y.copy_from_slice(&[c.current(SEAT), c.voltage(SEAT)]);
     }
 }
 

@@ -48,11 +48,8 @@ impl Component for FluidVolume {
                 FLUID,
                 Element::Capacitance { p, n, capacitance: self.capacity(), state: 0, start: self.p0 },
             )
-            .measures("p", "Pa", Needs::State, "pressure")
-    }
-
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
-        v[0] = c.x[0];
+            .voltage_is(Gives::State(0))
+            .reads("p", "Pa", Reading::State(0), "pressure")
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
@@ -61,10 +58,6 @@ impl Component for FluidVolume {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::stored(0.5 * self.capacity() * c.x[0] * c.x[0])
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.x[0];
     }
 }
 

@@ -17,15 +17,11 @@ pub struct HydraulicFlowSensor;
 
 impl Component for HydraulicFlowSensor {
     fn part(&self, _given: &Given) -> Part {
-        ends().named(PROBE, Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) }).measures(
+        ends().named(PROBE, Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) }).reads(
             "q",
             "m^3/s",
-            Needs::Electrics,
+            Reading::Current(PROBE),
             "volume flow from a to b",
         )
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current(PROBE);
     }
 }

@@ -17,10 +17,7 @@ impl Component for HydraulicFlowSource {
             .port("b", Domain::Hydraulic, "inlet")
             .input(Input::real("q").scalar().unit("m^3/s").doc("volume flow out of a"))
             .element(Element::CurrentSource { p: Pin::Port(1), n: Pin::Port(0) })
-    }
-
-    fn currents(&self, c: &Law, i: &mut [f64]) {
-        i[0] = c.scalar(0);
+            .current_is(Gives::Input(0))
     }
 }
 
@@ -32,7 +29,8 @@ mod tests {
     #[test]
     fn the_flow_is_the_input() {
         let mut q = [0.0];
-        HydraulicFlowSource.currents(&Law { u: &[-2e-4], ..law() }, &mut q);
+        let part = HydraulicFlowSource.part(&Given::nothing());
+        part.write_currents(&HydraulicFlowSource, &Law { u: &[-2e-4], ..law() }, &mut q);
         assert_eq!(q, [-2e-4]);
     }
 }

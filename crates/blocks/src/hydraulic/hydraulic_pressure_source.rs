@@ -20,11 +20,8 @@ impl Component for HydraulicPressureSource {
             .port("b", Domain::Hydraulic, "inlet")
             .input(Input::real("p").scalar().unit("Pa").doc("pressure at a above that at b"))
             .named(GIVEN, Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
+            .voltage_is(Gives::Input(0))
             .measures("q", "m^3/s", Needs::Electrics, "volume flow out of a")
-    }
-
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
-        v[0] = c.scalar(0);
     }
 
     fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
@@ -40,7 +37,8 @@ mod tests {
     #[test]
     fn the_pressure_is_the_input() {
         let mut p = [0.0];
-        HydraulicPressureSource.voltages(&Law { u: &[3e6], ..law() }, &mut p);
+        let part = HydraulicPressureSource.part(&Given::nothing());
+        part.write_voltages(&HydraulicPressureSource, &Law { u: &[3e6], ..law() }, &mut p);
         assert_eq!(p, [3e6]);
     }
 }

@@ -30,13 +30,12 @@ pub struct HydraulicResistance {
 
 impl Component for HydraulicResistance {
     fn part(&self, _given: &Given) -> Part {
-        ends()
-            .named(GAP, Element::Resistance { p: Pin::Port(0), n: Pin::Port(1), resistance: self.r })
-            .measures("q", "m^3/s", Needs::Electrics, "volume flow from a to b")
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current(GAP);
+        ends().named(GAP, Element::Resistance { p: Pin::Port(0), n: Pin::Port(1), resistance: self.r }).reads(
+            "q",
+            "m^3/s",
+            Reading::Current(GAP),
+            "volume flow from a to b",
+        )
     }
 }
 

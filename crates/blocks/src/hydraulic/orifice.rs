@@ -32,8 +32,8 @@ impl Component for Orifice {
     fn part(&self, _given: &Given) -> Part {
         ends()
             .named(EDGE, self.opening.element(Pin::Port(0), Pin::Port(1), self.area))
-            .measures("q", "m^3/s", Needs::Electrics, "volume flow from a to b")
-            .measures("dp", "Pa", Needs::Electrics, "pressure at a above that at b")
+            .reads("q", "m^3/s", Reading::Current(EDGE), "volume flow from a to b")
+            .reads("dp", "Pa", Reading::Voltage(EDGE), "pressure at a above that at b")
     }
 
     fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
@@ -44,10 +44,6 @@ impl Component for Orifice {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::dissipated(c.voltage(EDGE) * c.current(EDGE))
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y.copy_from_slice(&[c.current(EDGE), c.voltage(EDGE)]);
     }
 }
 

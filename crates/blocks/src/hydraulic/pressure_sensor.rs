@@ -18,10 +18,6 @@ impl Component for PressureSensor {
         Part::new()
             .port("a", Domain::Hydraulic, "hydraulic port")
             .named(PROBE, Element::VoltageProbe { p: Pin::Port(0), n: Pin::Ground })
-            .measures("p", "Pa", Needs::Electrics, "pressure")
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.voltage(PROBE);
+            .reads("p", "Pa", Reading::Voltage(PROBE), "pressure")
     }
 }

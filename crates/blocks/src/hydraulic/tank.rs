@@ -23,15 +23,11 @@ impl Component for Tank {
             .port("a", Domain::Hydraulic, "hydraulic port")
             .holds()
             .named(GIVEN, Element::VoltageSource { p: Pin::Port(0), n: Pin::Ground })
-            .measures("q", "m^3/s", Needs::Electrics, "volume flow into the tank")
+            .reads("q", "m^3/s", Reading::Current(GIVEN), "volume flow into the tank")
     }
 
     fn voltages(&self, _c: &Law, v: &mut [f64]) {
         v[0] = self.p;
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current(GIVEN);
     }
 }
 

@@ -46,7 +46,7 @@ impl Component for VariableOrifice {
         ends()
             .input(Input::real("s").scalar().unit("1").doc("how far it is open: 0 to 1"))
             .named(EDGE, self.opening.element(Pin::Port(0), Pin::Port(1), self.area))
-            .measures("q", "m^3/s", Needs::Electrics, "volume flow from a to b")
+            .reads("q", "m^3/s", Reading::Current(EDGE), "volume flow from a to b")
     }
 
     fn characteristics(&self, c: &Law, curves: &mut Characteristics) {
@@ -57,10 +57,6 @@ impl Component for VariableOrifice {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::dissipated(c.voltage(EDGE) * c.current(EDGE))
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current(EDGE);
     }
 }
 

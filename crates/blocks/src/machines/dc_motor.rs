@@ -92,7 +92,12 @@ impl Component for DcMotor {
             .element(Element::Inertia { port: 2, inertia: self.j, speed: None });
         let part = self.warm.part(part);
         if self.l > 0.0 {
-            part.linear().state_in("i", self.i0, "A").measures("i", "A", Needs::State, "current from p to n")
+            part.linear().state_in("i", self.i0, "A").current_is(Gives::State(0)).reads(
+                "i",
+                "A",
+                Reading::State(0),
+                "current from p to n",
+            )
         } else {
             part.measures("i", "A", Needs::Electrics, "current from p to n")
         }

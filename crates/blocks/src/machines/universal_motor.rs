@@ -59,16 +59,13 @@ impl Component for UniversalMotor {
             .port("r", Domain::Rotational, "rotor")
             .port("c", Domain::Rotational, "housing")
             .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
+            .current_is(Gives::State(0))
             .element(Element::Branch { r: 2, c: 3 })
             .element(Element::Inertia { port: 2, inertia: self.j, speed: None })
             .state_in("i", self.i0, "A")
             .measures("i", "A", Needs::State, "current from p to n")
             .measures("torque", "N*m", Needs::State, "torque of the armature, before the damping")
             .heat_port(self.heat_port)
-    }
-
-    fn currents(&self, c: &Law, i: &mut [f64]) {
-        i[0] = c.x[0];
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {

@@ -78,6 +78,8 @@ impl Component for WoundFieldDcMotor {
             .port("r", Domain::Rotational, "rotor")
             .port("c", Domain::Rotational, "housing")
             .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
+            .current_is(Gives::State(0))
+            .current_is(Gives::State(1))
             .element(Element::Winding { p: Pin::Port(2), n: Pin::Port(3), from_state: true })
             .element(Element::Branch { r: 4, c: 5 })
             .element(Element::Inertia { port: 4, inertia: self.j, speed: None })
@@ -87,10 +89,6 @@ impl Component for WoundFieldDcMotor {
             .measures("i_f", "A", Needs::State, "current of the field from fp to fn")
             .measures("torque", "N*m", Needs::State, "torque of the armature, before the damping")
             .heat_port(self.heat_port)
-    }
-
-    fn currents(&self, c: &Law, i: &mut [f64]) {
-        i.copy_from_slice(c.x);
     }
 
     fn torques(&self, c: &Law, tau: &mut [Torque]) {

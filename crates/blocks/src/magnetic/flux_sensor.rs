@@ -17,15 +17,11 @@ pub struct FluxSensor;
 
 impl Component for FluxSensor {
     fn part(&self, _given: &Given) -> Part {
-        poles().named(PROBE, Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) }).measures(
+        poles().named(PROBE, Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) }).reads(
             "flux",
             "Wb",
-            Needs::Electrics,
+            Reading::Current(PROBE),
             "flux from p to n",
         )
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current(PROBE);
     }
 }

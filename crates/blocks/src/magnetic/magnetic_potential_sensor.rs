@@ -17,15 +17,11 @@ pub struct MagneticPotentialSensor;
 
 impl Component for MagneticPotentialSensor {
     fn part(&self, _given: &Given) -> Part {
-        poles().named(PROBE, Element::VoltageProbe { p: Pin::Port(0), n: Pin::Port(1) }).measures(
+        poles().named(PROBE, Element::VoltageProbe { p: Pin::Port(0), n: Pin::Port(1) }).reads(
             "v",
             "A",
-            Needs::Electrics,
+            Reading::Voltage(PROBE),
             "magnetic potential difference from p to n",
         )
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.voltage(PROBE);
     }
 }

@@ -18,10 +18,7 @@ impl Component for MmfSource {
         poles()
             .input(Input::real("v").scalar().unit("A").doc("magnetic potential difference from p to n"))
             .element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
-    }
-
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
-        v[0] = c.scalar(0);
+            .voltage_is(Gives::Input(0))
     }
 }
 
@@ -33,7 +30,8 @@ mod tests {
     #[test]
     fn the_potential_difference_is_the_input() {
         let mut v = [0.0];
-        MmfSource.voltages(&Law { u: &[-250.0], ..law() }, &mut v);
+        let part = MmfSource.part(&Given::nothing());
+        part.write_voltages(&MmfSource, &Law { u: &[-250.0], ..law() }, &mut v);
         assert_eq!(v, [-250.0]);
     }
 }

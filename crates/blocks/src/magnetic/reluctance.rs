@@ -36,16 +36,12 @@ impl Component for Reluctance {
     fn part(&self, _given: &Given) -> Part {
         poles()
             .named(PATH, Element::Resistance { p: Pin::Port(0), n: Pin::Port(1), resistance: self.r })
-            .measures("flux", "Wb", Needs::Electrics, "flux from p to n")
+            .reads("flux", "Wb", Reading::Current(PATH), "flux from p to n")
     }
 
     fn energy(&self, c: &Law) -> Energy {
         let flux = c.voltage(PATH) / self.r;
         Energy::stored(0.5 * self.r * flux * flux)
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current(PATH);
     }
 }
 

@@ -60,25 +60,24 @@ impl Quantities {
         self.between(Element::Branch { r: 0, c: 1 })
     }
 
-    /// The same with outputs: speed and load, as [`show_speed`] fills them.
+    /// The same with outputs: speed and load.
     pub(crate) fn damped(&self) -> Part {
-        self.branch().output(output(self.speed), Needs::State).output(output(self.load), Needs::Motion)
-    }
-
-    /// The same with the deflection as a state, and outputs: deflection and load, as [`show_deflection`] fills them.
-    pub(crate) fn elastic(&self, start: f64) -> Part {
         self.branch()
-            .state(self.position.0, start)
-            .output(output(self.position), Needs::State)
-            .output(output(self.load), Needs::Motion)
+            .output_read(output(self.speed), Reading::Speed(0))
+            .output_read(output(self.load), Reading::Torque(0))
     }
 
-    /// An element with the deflection as a state, and outputs as [`show_deflection`] fills them.
+    /// The same with the deflection as a state, and outputs: deflection and load.
+    pub(crate) fn elastic(&self, start: f64) -> Part {
+        self.held(Element::Branch { r: 0, c: 1 }, start)
+    }
+
+    /// An element with the deflection as a state, and the same outputs.
     pub(crate) fn held(&self, element: Element, start: f64) -> Part {
         self.between(element)
             .state(self.position.0, start)
-            .output(output(self.position), Needs::State)
-            .output(output(self.load), Needs::Motion)
+            .output_read(output(self.position), Reading::State(0))
+            .output_read(output(self.load), Reading::Torque(0))
     }
 
     /// A source of torque or force with an input.
@@ -96,26 +95,26 @@ impl Quantities {
 
     /// A rigid coupling that measures what passes through it.
     pub(crate) fn load_sensor(&self) -> Part {
-        self.between(Element::Rigid { r: 0, c: 1 }).output(output(self.load), Needs::Motion)
+        self.between(Element::Rigid { r: 0, c: 1 }).output_read(output(self.load), Reading::Torque(0))
     }
 
-    /// Position, speed and acceleration, as [`show_motion`] fills them; the position is a state.
+    /// Position, speed and acceleration; the position is a state.
     pub(crate) fn motion_sensor(&self, start: f64) -> Part {
         self.between(Element::SpeedProbe { r: 0, c: 1 })
-            .output(output(self.position), Needs::State)
-            .output(output(self.speed), Needs::State)
-            .output(output(self.acceleration), Needs::Motion)
+            .output_read(output(self.position), Reading::State(0))
+            .output_read(output(self.speed), Reading::Speed(0))
+            .output_read(output(self.acceleration), Reading::Acceleration(0))
             .drifting_state(self.position.0, start)
     }
 
-    /// A part with inertia or mass, and outputs: speed and acceleration, as [`show_inertia`] fills them.
+    /// A part with inertia or mass, and outputs: speed and acceleration.
     pub(crate) fn inertia(&self, doc: &'static str, inertia: f64, speed: Option<f64>) -> Part {
         Part::new()
             .port("r", self.domain, doc)
             .element(Element::Inertia { port: 0, inertia, speed })
             .element(Element::AbsoluteSpeedProbe { port: 0 })
-            .measures(self.speed.0, self.speed.1, Needs::State, "speed")
-            .measures(self.acceleration.0, self.acceleration.1, Needs::Motion, "acceleration")
+            .reads(self.speed.0, self.speed.1, Reading::Speed(0), "speed")
+            .reads(self.acceleration.0, self.acceleration.1, Reading::Acceleration(0), "acceleration")
     }
 
     /// A part that stands still.
@@ -129,40 +128,4 @@ impl Quantities {
 /// A torque or force that damps not at all.
 pub(crate) fn undamped(value: f64) -> Torque {
     Torque { value, slope: 0.0 }
-}
-
-/// Outputs of [`Quantities::elastic`].
-pub(crate) fn show_deflection(c: &Law, needs: Needs, y: &mut [f64]) {
-    match needs {
-        Needs::State => y[0] = c.x[0],
-        Needs::Electrics => {}
-        Needs::Motion => y[1] = c.torque[0],
-    }
-}
-
-/// Outputs of [`Quantities::damped`].
-pub(crate) fn show_speed(c: &Law, needs: Needs, y: &mut [f64]) {
-    match needs {
-        Needs::State => y[0] = c.speed[0],
-        Needs::Electrics => {}
-        Needs::Motion => y[1] = c.torque[0],
-    }
-}
-
-/// Outputs of [`Quantities::inertia`].
-pub(crate) fn show_inertia(c: &Law, needs: Needs, y: &mut [f64]) {
-    match needs {
-        Needs::State => y[0] = c.speed[0],
-        Needs::Electrics => {}
-        Needs::Motion => y[1] = c.acceleration[0],
-    }
-}
-
-/// Outputs of [`Quantities::motion_sensor`].
-pub(crate) fn show_motion(c: &Law, needs: Needs, y: &mut [f64]) {
-    match needs {
-        Needs::State => y[..2].copy_from_slice(&[c.x[0], c.speed[0]]),
-        Needs::Electrics => {}
-        Needs::Motion => y[2] = c.acceleration[0],
-    }
 }

@@ -86,9 +86,14 @@ impl Component for PrismaticJoint {
             .port("r", Domain::Translational, "rod of the drive side")
             .port("c", Domain::Translational, "case of the drive side")
             .input(Input::real("force").scalar().unit("N").default(0.0).doc("force on the follower"))
-            .measures("x", "m", Needs::State, "position of the follower against the base")
-            .measures("v", "m/s", Needs::State, "speed of the follower against the base")
-            .measures("a", "m/s^2", Needs::Motion, "acceleration of the follower against the base")
+            .reads("x", "m", Reading::JointPosition(0), "position of the follower against the base")
+            .reads("v", "m/s", Reading::JointSpeed(0), "speed of the follower against the base")
+            .reads(
+                "a",
+                "m/s^2",
+                Reading::JointAcceleration(0),
+                "acceleration of the follower against the base",
+            )
             .measures("f", "N", Needs::Motion, "force of the actuators: input and drive side")
             .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Slide(slide)] });
         self.inside().events(part, "").guards_of_state()
@@ -108,11 +113,7 @@ impl Component for PrismaticJoint {
         self.inside().energy(joint.q, joint.w) + Energy::supplied(c.scalar(0) * joint.w)
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => y[..2].copy_from_slice(&[c.joint[0].q, c.joint[0].w]),
-            Needs::Electrics => {}
-            Needs::Motion => y[2..4].copy_from_slice(&[c.joint[0].a, c.scalar(0) + c.joint[0].drive]),
-        }
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[3] = c.scalar(0) + c.joint[0].drive;
     }
 }

@@ -92,9 +92,14 @@ impl Component for RevoluteJoint {
             .port("r", Domain::Rotational, "rod of the drive side")
             .port("c", Domain::Rotational, "case of the drive side")
             .input(Input::real("torque").scalar().unit("N*m").default(0.0).doc("torque on the follower"))
-            .measures("q", "rad", Needs::State, "angle of the follower against the base")
-            .measures("w", "rad/s", Needs::State, "speed of the follower against the base")
-            .measures("a", "rad/s^2", Needs::Motion, "acceleration of the follower against the base")
+            .reads("q", "rad", Reading::JointPosition(0), "angle of the follower against the base")
+            .reads("w", "rad/s", Reading::JointSpeed(0), "speed of the follower against the base")
+            .reads(
+                "a",
+                "rad/s^2",
+                Reading::JointAcceleration(0),
+                "acceleration of the follower against the base",
+            )
             .measures("tau", "N*m", Needs::Motion, "torque of the actuators: input and drive side")
             .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Turn(turn)] });
         self.inside().events(part, "").guards_of_state()
@@ -114,12 +119,8 @@ impl Component for RevoluteJoint {
         self.inside().energy(joint.q, joint.w) + Energy::supplied(c.scalar(0) * joint.w)
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => y[..2].copy_from_slice(&[c.joint[0].q, c.joint[0].w]),
-            Needs::Electrics => {}
-            Needs::Motion => y[2..4].copy_from_slice(&[c.joint[0].a, c.scalar(0) + c.joint[0].drive]),
-        }
+    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+        y[3] = c.scalar(0) + c.joint[0].drive;
     }
 }
 

@@ -38,15 +38,12 @@ impl Component for DcLink {
                 state: 0,
                 start: self.v0,
             })
-            .measures("v", "V", Needs::State, "voltage of the capacitor");
+            .voltage_is(Gives::State(0))
+            .reads("v", "V", Reading::State(0), "voltage of the capacitor");
         match self.r {
             0.0 => part,
             resistance => part.element(Element::Resistance { p: Pin::Port(0), n: inner, resistance }),
         }
-    }
-
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
-        v[0] = c.x[0];
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
@@ -55,9 +52,5 @@ impl Component for DcLink {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::stored(0.5 * self.c * c.x[0] * c.x[0])
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.x[0];
     }
 }

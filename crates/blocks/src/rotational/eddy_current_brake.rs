@@ -56,7 +56,7 @@ impl Component for EddyCurrentBrake {
                     .default(1.0)
                     .doc("field over that of the given torque"),
             )
-            .measures("tau", "N*m", Needs::Motion, "torque from r to c")
+            .reads("tau", "N*m", Reading::Torque(0), "torque from r to c")
             .element(Element::Branch { r: 0, c: 1 })
             .heat_port(self.heat_port)
     }
@@ -69,10 +69,6 @@ impl Component for EddyCurrentBrake {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::dissipated(self.torque(c.scalar(0), c.speed[0]).0 * c.speed[0])
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.torque[0];
     }
 }
 

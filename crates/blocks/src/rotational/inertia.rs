@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{ROTATION, show_inertia};
+use crate::mechanics::quantities::ROTATION;
 
 /// A rotating mass: $\tau = J \dot w$, against an implied ground.
 ///
@@ -24,9 +24,5 @@ pub struct Inertia {
 impl Component for Inertia {
     fn part(&self, _given: &Given) -> Part {
         ROTATION.inertia("the rotating part", self.j, self.w0)
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_inertia(c, needs, y);
     }
 }

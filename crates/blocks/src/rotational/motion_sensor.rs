@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{ROTATION, show_motion};
+use crate::mechanics::quantities::ROTATION;
 
 /// Measures angle, speed and acceleration between two turning parts without loading them.
 ///
@@ -25,25 +25,17 @@ impl Component for MotionSensor {
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_motion(c, needs, y);
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
 
     #[test]
-    fn angle_speed_and_acceleration_come_when_they_are_known() {
-        let sensor = MotionSensor { phi0: 0.5 };
-        let c = Law { x: &[1.0], speed: &[2.0], acceleration: &[3.0], ..law() };
-        let mut y = [0.0; 3];
-        sensor.measure(&c, Needs::State, &mut y);
-        assert_eq!(y, [1.0, 2.0, 0.0]);
-        sensor.measure(&c, Needs::Motion, &mut y);
-        assert_eq!(y, [1.0, 2.0, 3.0]);
+    fn angle_speed_and_acceleration_are_numbers_of_the_network() {
+        let part = MotionSensor { phi0: 0.5 }.part(&Given::nothing());
+        let readings = [Reading::State(0), Reading::Speed(0), Reading::Acceleration(0)];
+        assert_eq!(part.readings, readings.map(Some));
+        assert_eq!(part.states[0].initial, 0.5);
     }
 }

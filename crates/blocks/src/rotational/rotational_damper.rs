@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{ROTATION, show_speed};
+use crate::mechanics::quantities::ROTATION;
 
 /// Viscous friction between two turning parts: $\tau = d\,(w_r - w_c)$.
 ///
@@ -29,10 +29,6 @@ impl Component for RotationalDamper {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::dissipated(self.d * c.speed[0] * c.speed[0])
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_speed(c, needs, y);
     }
 }
 

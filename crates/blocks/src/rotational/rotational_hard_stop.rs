@@ -1,7 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::contact::Travel;
-use crate::mechanics::quantities::{ROTATION, show_deflection};
+use crate::mechanics::quantities::ROTATION;
 use crate::multibody::joint_limit::JointLimit;
 
 /// End of travel between two turning parts: free between two angles, a spring and a damper beyond them.
@@ -67,9 +67,5 @@ impl Component for RotationalHardStop {
 
     fn energy(&self, c: &Law) -> Energy {
         self.travel().energy(c.x[0], c.speed[0])
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_deflection(c, needs, y);
     }
 }

@@ -1,7 +1,7 @@
 use blocksim_block::physical::Grip;
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{ROTATION, show_deflection};
+use crate::mechanics::quantities::ROTATION;
 use crate::mechanics::rigid_stop::RigidStop;
 
 /// Rigid end of travel between two turning parts: free between two angles, and an end is never passed.
@@ -64,9 +64,5 @@ impl Component for RotationalRigidStop {
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
         dx[0] = c.speed[0];
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_deflection(c, needs, y);
     }
 }

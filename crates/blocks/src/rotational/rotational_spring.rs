@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{ROTATION, show_deflection, undamped};
+use crate::mechanics::quantities::{ROTATION, undamped};
 
 /// Torsion spring between two turning parts.
 ///
@@ -38,10 +38,6 @@ impl Component for RotationalSpring {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::stored(0.5 * self.k * c.x[0] * c.x[0])
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_deflection(c, needs, y);
     }
 }
 

@@ -1,7 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::contact::SpringDamper;
-use crate::mechanics::quantities::{ROTATION, show_deflection};
+use crate::mechanics::quantities::ROTATION;
 
 /// Elastic shaft: a torsion spring and a damper side by side, with backlash if there is any.
 ///
@@ -68,9 +68,5 @@ impl Component for RotationalSpringDamper {
 
     fn energy(&self, c: &Law) -> Energy {
         self.law().energy(c.x[0], c.speed[0])
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_deflection(c, needs, y);
     }
 }

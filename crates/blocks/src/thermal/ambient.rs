@@ -23,15 +23,11 @@ impl Component for Ambient {
             .port("h", Domain::Thermal, "thermal port")
             .holds()
             .named(GIVEN, Element::VoltageSource { p: Pin::Port(0), n: Pin::Ground })
-            .measures("q", "W", Needs::Electrics, "heat flow into the surroundings")
+            .reads("q", "W", Reading::Current(GIVEN), "heat flow into the surroundings")
     }
 
     fn voltages(&self, _c: &Law, v: &mut [f64]) {
         v[0] = self.t;
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current(GIVEN);
     }
 }
 

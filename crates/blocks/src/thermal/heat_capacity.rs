@@ -38,19 +38,12 @@ impl Component for HeatCapacity {
                     start: self.t0,
                 },
             )
-            .measures("t", "K", Needs::State, "temperature")
-    }
-
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
-        v[0] = c.x[0];
+            .voltage_is(Gives::State(0))
+            .reads("t", "K", Reading::State(0), "temperature")
     }
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
         dx[0] = c.current(BODY) / self.c;
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.x[0];
     }
 }
 

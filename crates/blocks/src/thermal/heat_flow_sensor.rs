@@ -19,10 +19,6 @@ impl Component for HeatFlowSensor {
             .port("a", Domain::Thermal, "thermal port that heat enters by")
             .port("b", Domain::Thermal, "thermal port that it leaves by")
             .named(PROBE, Element::CurrentProbe { p: Pin::Port(0), n: Pin::Port(1) })
-            .measures("q", "W", Needs::Electrics, "heat flow from a to b")
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current(PROBE);
+            .reads("q", "W", Reading::Current(PROBE), "heat flow from a to b")
     }
 }

@@ -16,10 +16,7 @@ impl Component for HeatSource {
             .port("h", Domain::Thermal, "thermal port")
             .input(Input::real("q").scalar().unit("W").doc("heat flow out of the port"))
             .element(Element::CurrentSource { p: Pin::Ground, n: Pin::Port(0) })
-    }
-
-    fn currents(&self, c: &Law, i: &mut [f64]) {
-        i[0] = c.scalar(0);
+            .current_is(Gives::Input(0))
     }
 }
 
@@ -31,7 +28,8 @@ mod tests {
     #[test]
     fn the_heat_is_the_input() {
         let mut q = [0.0];
-        HeatSource.currents(&Law { u: &[-5.0], ..law() }, &mut q);
+        let part = HeatSource.part(&Given::nothing());
+        part.write_currents(&HeatSource, &Law { u: &[-5.0], ..law() }, &mut q);
         assert_eq!(q, [-5.0]);
     }
 }

@@ -18,10 +18,6 @@ impl Component for TemperatureSensor {
         Part::new()
             .port("h", Domain::Thermal, "thermal port")
             .named(PROBE, Element::VoltageProbe { p: Pin::Port(0), n: Pin::Ground })
-            .measures("t", "K", Needs::Electrics, "temperature")
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.voltage(PROBE);
+            .reads("t", "K", Reading::Voltage(PROBE), "temperature")
     }
 }

@@ -16,10 +16,7 @@ impl Component for TemperatureSource {
             .port("h", Domain::Thermal, "thermal port")
             .input(Input::real("t").scalar().unit("K").doc("temperature"))
             .element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Ground })
-    }
-
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
-        v[0] = c.scalar(0);
+            .voltage_is(Gives::Input(0))
     }
 }
 
@@ -31,7 +28,8 @@ mod tests {
     #[test]
     fn the_temperature_is_the_input() {
         let mut t = [0.0];
-        TemperatureSource.voltages(&Law { u: &[310.0], ..law() }, &mut t);
+        let part = TemperatureSource.part(&Given::nothing());
+        part.write_voltages(&TemperatureSource, &Law { u: &[310.0], ..law() }, &mut t);
         assert_eq!(t, [310.0]);
     }
 }

@@ -44,7 +44,7 @@ impl Component for ThermalRadiation {
             .port("b", Domain::Thermal, "thermal port that it leaves by")
             .named(SIDE_A, side(0))
             .named(SIDE_B, side(1))
-            .measures("q", "W", Needs::Electrics, "heat flow from a to b")
+            .reads("q", "W", Reading::Current(SIDE_A), "heat flow from a to b")
     }
 
     fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
@@ -58,10 +58,6 @@ impl Component for ThermalRadiation {
             curves.slope(of, SIDE_A, sign * slope(a));
             curves.slope(of, SIDE_B, -sign * slope(b));
         }
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current(SIDE_A);
     }
 }
 

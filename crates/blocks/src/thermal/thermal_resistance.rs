@@ -31,11 +31,7 @@ impl Component for ThermalResistance {
             .port("a", Domain::Thermal, "thermal port that heat enters by")
             .port("b", Domain::Thermal, "thermal port that it leaves by")
             .named(BODY, Element::Resistance { p: Pin::Port(0), n: Pin::Port(1), resistance: self.r })
-            .measures("q", "W", Needs::Electrics, "heat flow from a to b")
-    }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.current(BODY);
+            .reads("q", "W", Reading::Current(BODY), "heat flow from a to b")
     }
 }
 

@@ -15,8 +15,4 @@ impl Component for ForceSensor {
     fn part(&self, _given: &Given) -> Part {
         TRANSLATION.load_sensor()
     }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.torque[0];
-    }
 }

@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{TRANSLATION, show_inertia};
+use crate::mechanics::quantities::TRANSLATION;
 
 /// A mass that slides: $F = m \dot v$, against an implied ground.
 ///
@@ -25,10 +25,6 @@ pub struct Mass {
 impl Component for Mass {
     fn part(&self, _given: &Given) -> Part {
         TRANSLATION.inertia("the sliding part", self.m, self.v0)
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_inertia(c, needs, y);
     }
 }
 

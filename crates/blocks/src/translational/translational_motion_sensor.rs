@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{TRANSLATION, show_motion};
+use crate::mechanics::quantities::TRANSLATION;
 
 /// Measures position, velocity and acceleration between two sliding parts without loading them.
 ///
@@ -24,9 +24,5 @@ impl Component for TranslationalMotionSensor {
 
     fn derivatives(&self, c: &Law, dx: &mut [f64]) {
         dx[0] = c.speed[0];
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_motion(c, needs, y);
     }
 }

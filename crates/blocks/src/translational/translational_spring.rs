@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{TRANSLATION, show_deflection, undamped};
+use crate::mechanics::quantities::{TRANSLATION, undamped};
 
 /// Spring between two sliding parts.
 ///
@@ -38,10 +38,6 @@ impl Component for TranslationalSpring {
 
     fn energy(&self, c: &Law) -> Energy {
         Energy::stored(0.5 * self.k * c.x[0] * c.x[0])
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_deflection(c, needs, y);
     }
 }
 

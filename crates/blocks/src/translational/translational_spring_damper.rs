@@ -1,7 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::contact::SpringDamper;
-use crate::mechanics::quantities::{TRANSLATION, show_deflection};
+use crate::mechanics::quantities::TRANSLATION;
 
 /// Elastic link: a spring and a damper side by side, with play if there is any.
 ///
@@ -67,9 +67,5 @@ impl Component for TranslationalSpringDamper {
 
     fn energy(&self, c: &Law) -> Energy {
         self.law().energy(c.x[0], c.speed[0])
-    }
-
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        show_deflection(c, needs, y);
     }
 }

@@ -30,8 +30,4 @@ impl Component for WheelAndAxle {
     fn part(&self, _given: &Given) -> Part {
         BothWays::NONE.mesh().part(Domain::Translational, self.direction.ratio(self.radius))
     }
-
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[0] = c.mesh[0];
-    }
 }

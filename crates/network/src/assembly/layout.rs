@@ -20,6 +20,7 @@ use crate::mechanics::stiction::parts::Stiction;
 use crate::member::Member;
 use crate::network::Network;
 use crate::problem::NetworkProblem;
+use crate::readings::{Givers, Read};
 use crate::seat::{Active, CHARGE, ELECTRICS, Held, MOTION, Role, STATE, Seat, Shares};
 
 /// Counters of everything that members have a share of.
@@ -138,7 +139,7 @@ impl Network {
             let early = held.is_none()
                 && !places.two_pins.is_empty()
                 && places.two_pins.clone().all(|i| electrics.early[i].is_some());
-            let measures = measures(
+            let (measures, reads_numbers) = measures(
                 &mut interface,
                 &member,
                 (!places.two_pins.is_empty(), is_shifted(&electrics, index)),
@@ -177,6 +178,8 @@ impl Network {
                 is_capacitance: has(&|e| matches!(e, Element::Capacitance { .. })),
                 is_early: early,
                 measures,
+                reads: reads_numbers,
+                gives: Givers::default(),
                 shares: Shares::default(),
                 block: Arc::clone(&member.block),
                 member: Box::new(member),
@@ -191,6 +194,7 @@ impl Network {
         }
         for seat in &mut seats {
             seat.shares = Shares::of(seat);
+            seat.gives = Givers::of(seat);
         }
         let first_pose = next.y;
         for output in scene::outputs(&frames) {
@@ -459,7 +463,8 @@ fn hold(
     (x, d, Some(held))
 }
 
-/// Declares the outputs of a member; returns, for each group, the need that its component knows them by. A sensor that
+/// Declares the outputs of a member; returns, for each group, the need that its component knows those by which it computes, and the
+/// outputs that are numbers of the network. A sensor that
 /// reads states alone closes no algebraic loop: `early`. Of what follows from states alone, that which nobody reads stands apart
 /// from what is evaluated between major steps. What sources add to is not known before they are: `shifted`; nor is heat before
 /// torques: `late`.
@@ -469,7 +474,7 @@ fn measures(
     (electrical, shifted): (bool, bool),
     early: bool,
     late: bool,
-) -> [Option<Needs>; 4] {
+) -> ([Option<Needs>; 4], Vec<Read>) {
     let charge = if member.is_charge_read(early) { CHARGE } else { STATE };
     let group = |declared: Needs| match declared {
         Needs::State if shifted => ELECTRICS,
@@ -485,8 +490,18 @@ fn measures(
         interface.outputs.push(Output { name, ..output.clone() });
         interface.group_of.push(group(*declared));
     }
-    [STATE, ELECTRICS, MOTION, CHARGE].map(|wanted| {
-        let declared = member.part.outputs.iter().map(|(_, declared)| *declared);
-        declared.into_iter().find(|declared| group(*declared) == wanted)
-    })
+    let outputs = || member.part.outputs.iter().zip(&member.part.readings);
+    let measures = [STATE, ELECTRICS, MOTION, CHARGE].map(|wanted| {
+        let mut computed =
+            outputs().filter(|(_, reading)| reading.is_none()).map(|((_, declared), _)| *declared);
+        computed.find(|declared| group(*declared) == wanted)
+    });
+    let places = member.part.outputs.iter().scan(0, |next, (output, _)| {
+        *next += output.port_type.shape.len();
+        Some(*next - output.port_type.shape.len())
+    });
+    let reads = outputs().zip(places).filter_map(|(((_, declared), reading), place)| {
+        Some(Read { group: group(*declared), place, reading: (*reading)? })
+    });
+    (measures, reads.collect())
 }

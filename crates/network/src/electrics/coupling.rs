@@ -8,7 +8,7 @@ use blocksim_solve::linear::cholesky_solve;
 
 use crate::electrics::Separate;
 use crate::network::Network;
-use crate::seat::{Held, Seat};
+use crate::seat::{ELECTRICS, Held, Seat};
 use crate::work::Work;
 use crate::work::circuits::Room;
 
@@ -118,15 +118,12 @@ impl Network {
 
     /// Lets a member of such a circuit measure what needs voltages: on the mean of a coupling step.
     pub(crate) fn measure_mean(&self, c: &Context, seat: &Seat, held: &Held, w: &Work, y: &mut [f64]) {
-        let (Some(component), Some(needs)) = (seat.component(), seat.measures[crate::seat::ELECTRICS]) else {
-            return;
-        };
         let law = self.law(c, seat, w);
         let elements = &seat.member.part.elements;
         let reads_currents = elements.iter().all(|e| matches!(e, Element::CurrentProbe { .. }));
         // Before the first step there is nothing to be averaged.
         if c.d[held.times + 1] <= 0.0 || reads_currents {
-            component.measure(&law, needs, y);
+            seat.measure(&law, ELECTRICS, y);
             return;
         }
         let means = &c.d[held.mean.clone()];
@@ -134,7 +131,7 @@ impl Network {
         let (voltage, rest) = rest.split_at(seat.two_pins.len());
         let (current, supply) = rest.split_at(seat.two_pins.len());
         let supply = Supply { voltage: [supply[0], supply[1]], zero: supply[2], ..*law.supply };
-        component.measure(&Law { x, voltage, current, supply: &supply, ..law }, needs, y);
+        seat.measure(&Law { x, voltage, current, supply: &supply, ..law }, ELECTRICS, y);
     }
 
     /// In how many parts a circuit is to take the coupling step that begins now, by what the last ones have shown.

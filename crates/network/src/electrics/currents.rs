@@ -21,7 +21,10 @@ impl Network {
         for seat in self.active.circuit.iter().map(|i| &self.seats[*i]) {
             let Some(component) = seat.component() else { continue };
             if seat.is_capacitance {
-                component.voltages(&self.own_law(c, seat, w), &mut given[seat.sources.clone()]);
+                let own = &mut given[seat.sources.clone()];
+                if !seat.gives.voltages(c, own) {
+                    seat.member.part.write_voltages(component, &self.own_law(c, seat, w), own);
+                }
             }
         }
         self.given_currents(c, w, &mut given, &self.active.circuit, |by| by == GivenBy::State);
@@ -58,15 +61,18 @@ impl Network {
             if !seat.windings.clone().any(|i| which(self.electrics.windings[i])) {
                 continue;
             }
+            let own = &mut given[first + seat.windings.start..first + seat.windings.end];
+            if seat.gives.currents(c, own) {
+                continue;
+            }
             let Some(component) = seat.component() else { continue };
             let law = self.law(c, seat, w);
-            let own = &mut given[first + seat.windings.start..first + seat.windings.end];
             match seat.role {
                 Role::Machine(_) => {
                     let phases = from_space_vector(component.line_current(&law));
                     own.iter_mut().zip(phases).for_each(|(to, current)| *to = current);
                 }
-                _ => component.currents(&law, own),
+                _ => seat.member.part.write_currents(component, &law, own),
             }
         }
     }
@@ -121,16 +127,19 @@ impl Network {
         self.take_states(island, c, w);
         let mut given = std::mem::take(&mut w.given);
         for seat in members.iter().map(|i| &self.seats[*i]) {
+            let own = &mut given[seat.sources.clone()];
+            if seat.gives.voltages(c, own) {
+                continue;
+            }
             let Some(component) = seat.component() else { continue };
             let law = self.own_law(c, seat, w);
-            let own = &mut given[seat.sources.clone()];
             match (seat.role, seat.supply) {
                 (Role::Source, Some(slot)) => {
                     let supply = component.supply(&law);
                     own.copy_from_slice(&supply.phases());
                     w.supply[slot] = supply;
                 }
-                _ => component.voltages(&law, own),
+                _ => seat.member.part.write_voltages(component, &law, own),
             }
         }
         self.shift_capacitances(island, c, w, &mut given);

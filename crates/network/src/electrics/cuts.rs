@@ -60,7 +60,7 @@ impl Network {
                 let first = self.electrics.sources;
                 let mut given = std::mem::take(&mut w.given);
                 let own = &mut given[first + seat.windings.start..first + seat.windings.end];
-                component.currents(&self.law(c, seat, w), own);
+                seat.member.part.write_currents(component, &self.law(c, seat, w), own);
                 w.given = given;
             }
             w.float = room;
