@@ -32,7 +32,9 @@ fn measured<E: Error>(value: &Value, unit: &str) -> Result<Measure, E> {
     if !has_unit || wanted.compatible(*dimension) {
         return Ok(Measure { value: *value, has_unit });
     }
-    Err(E::custom(format!("expected a value in {unit}, found one in {dimension}")))
+    let expected =
+        if wanted.is_none() { "a number without a unit".to_owned() } else { format!("a value in {unit}") };
+    Err(E::custom(format!("expected {expected}, found one in {dimension}")))
 }
 
 macro_rules! numbers_in {

@@ -28,6 +28,7 @@ mod registry;
 mod requirements;
 pub mod schedule;
 mod shapes;
+pub mod shell;
 mod symbol;
 pub mod synonyms;
 pub mod testing;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::SystemTime;
 
+use blocksim_block::shell::quoted_text;
 use blocksim_recording::{MOST_TEXT, limited_text};
 use serde_json::json;
 
@@ -303,7 +304,8 @@ fn plugin(folder: &Path) -> Finding {
 fn state_of(folder: &Path, built: Option<SystemTime>, source: Option<SystemTime>) -> Finding {
     let what = "plug-in";
     let shown = folder.strip_prefix(".").unwrap_or(folder).display().to_string();
-    let remedy = format!("the next run builds it; `blocksim plugin show {shown}` does so now");
+    let remedy =
+        format!("the next run builds it; `blocksim plugin show {}` does so now", quoted_text(&shown));
     match (built, source) {
         (None, _) => Finding::not(what, State::Note, format!("{shown} is not built yet"), remedy),
         (Some(built), Some(source)) if built < source => {

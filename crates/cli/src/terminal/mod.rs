@@ -10,4 +10,3 @@ pub mod places;
 pub mod progress;
 pub mod prose;
 pub mod render;
-pub mod shell;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use blocksim_block::problem::Problem;
+use blocksim_block::shell::quoted;
 use blocksim_block::{CodePolicy, Decision, LoadError, UNTRUSTED, untrusted};
 use blocksim_host::{is_module, locate, set_call_limit, set_isolation};
 
@@ -13,7 +14,6 @@ use super::{TrustList, memory};
 use crate::args::model::PluginArgs;
 use crate::loaded::with_slashes;
 use crate::terminal::console::notice;
-use crate::terminal::shell::quoted;
 
 /// What a command wants of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::SystemTime;
 
+use blocksim_block::shell::quoted_text;
+
 use super::text::text;
 use super::{Answer, SHOWN_LINES, crate_files, fresh, notify};
 use crate::fault::{self, BUILD, MISSING};
@@ -135,7 +137,7 @@ fn library_of(built: &Built, manifest: &Path, named: &str, target: Target) -> An
     if !built.status.success() {
         let said = last_lines(&built.said.join("\n"));
         let error = fault::library(BUILD, format!("the plug-in `{named}` does not build:\n{said}"));
-        let shown = fault::shown(manifest);
+        let shown = quoted_text(&fault::shown(manifest));
         let options = if target == Target::Wasm { format!(" --target {WASM}") } else { String::new() };
         return Err(fault::help(
             error,

@@ -230,29 +230,30 @@ fn crates_that_do_not_build() {
     let write = |name: &str, lib: &str, code: &str| {
         let root = folder.0.join(name);
         std::fs::create_dir_all(root.join("src")).unwrap();
-        let manifest = format!("[package]\nname = \"{name}\"\nedition = \"2024\"\n{lib}\n[workspace]\n");
+        let package = name.replace(' ', "-");
+        let manifest = format!("[package]\nname = \"{package}\"\nedition = \"2024\"\n{lib}\n[workspace]\n");
         std::fs::write(root.join("Cargo.toml"), manifest).unwrap();
         std::fs::write(root.join("src/lib.rs"), code).unwrap();
     };
     let cdylib = "[lib]\ncrate-type = [\"cdylib\"]\n";
-    write("wrong", cdylib, "compile_error!(\"no law yet\");\n");
+    write("quite wrong", cdylib, "compile_error!(\"no law yet\");\n");
     write("rlib", "", "");
     write("silent", cdylib, "");
     refused(
         &folder,
-        "wrong",
+        "quite wrong",
         "B",
         set([]),
         expect![[r#"
-            [plugin_build] library: the plug-in `wrong` does not build:
+            [plugin_build] library: the plug-in `quite wrong` does not build:
             error: no law yet
              --> src/lib.rs:1:1
               |
             1 | compile_error!("no law yet");
               | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^
 
-            error: could not compile `wrong` (lib) due to 1 previous error
-            help: see `cargo build --release --manifest-path [folder]/wrong/Cargo.toml`
+            error: could not compile `quite-wrong` (lib) due to 1 previous error
+            help: see `cargo build --release --manifest-path '[folder]/quite wrong/Cargo.toml'`
         "#]],
     );
     refused(

@@ -6,6 +6,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use blocksim_block::shell::quoted;
 use clap::ValueEnum;
 
 use self::templates::{Template, template};
@@ -15,7 +16,6 @@ use crate::args::start::{NewArgs, TemplateName};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::terminal::console::Console;
-use crate::terminal::shell::quoted;
 
 /// Results and what cargo builds do not belong into the history of a project.
 const IGNORED: &str = "runs/\ntarget/\n";

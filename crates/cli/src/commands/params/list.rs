@@ -1,3 +1,4 @@
+use blocksim_block::shell::quoted;
 use blocksim_diagram::{Origin, Sources, Target, targets};
 
 use super::table::{data, rows};
@@ -29,7 +30,7 @@ pub fn list(args: &ListArgs, console: Console) -> Outcome {
     let wanted: Vec<&Target> = all.iter().filter(is_wanted).collect();
     if let (true, Some(pattern)) = (wanted.is_empty(), &args.pattern) {
         return Err(Failure::usage(format!("no parameter has `{pattern}` in its name"))
-            .help(format!("`blocksim params list {}` lists all", args.model.display())));
+            .help(format!("`blocksim params list {}` lists all", quoted(&args.model))));
     }
     let texts = Texts::of(&files);
     console.data(&match args.json {

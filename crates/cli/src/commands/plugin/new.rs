@@ -4,12 +4,13 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use blocksim_block::shell::quoted;
+
 use crate::args::plugin::{Language, PluginNewArgs};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
 use crate::loaded::with_slashes;
 use crate::terminal::console::Console;
-use crate::terminal::shell::quoted;
 use crate::trust::note_trust;
 
 /// Names in the template, which are replaced.

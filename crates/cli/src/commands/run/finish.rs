@@ -2,6 +2,7 @@
 
 use crate::commands::tell;
 use blocksim_block::schedule::Recorded;
+use blocksim_block::shell::quoted_text;
 use blocksim_numbers::format::ordinal;
 use blocksim_recording::STORE;
 
@@ -119,13 +120,15 @@ pub fn keep_and_tell(
     }
     if csv == Csv::Sensibly && !is_csv_written(&run, csv) {
         console.say(&format!(
-            "note: no signals.csv, as it would be very large; `blocksim export {place} --csv FILE` writes it"
+            "note: no signals.csv, as it would be very large; `blocksim export {} --csv FILE` writes it",
+            quoted_text(&place)
         ));
     }
     // A disk that is full is told once.
     if let Some(error) = untold.filter(|_| lost.is_none()) {
         let note = format!(
-            "all signals are in {place}/{STORE}; `blocksim export {place} --csv FILE` writes them as text"
+            "all signals are in {place}/{STORE}; `blocksim export {} --csv FILE` writes them as text",
+            quoted_text(&place)
         );
         exit = unwritten(&error).note(note).tell(console);
     }

@@ -10,6 +10,7 @@ mod table;
 use std::io;
 
 use blocksim_block::problem::Problem;
+use blocksim_block::shell::quoted;
 use serde_json::json;
 
 use self::combinations::Combinations;
@@ -118,7 +119,11 @@ fn finish(args: &SweepArgs, mut rows: Vec<Row>, console: Console) -> Outcome {
         console.say(&format!("the table is in {}", file.display()));
     }
     if let Some(folder) = &args.keep {
-        console.say(&format!("the runs are in {0}; `blocksim runs {0}` lists them", folder.display()));
+        console.say(&format!(
+            "the runs are in {}; `blocksim runs {}` lists them",
+            folder.display(),
+            quoted(folder)
+        ));
     }
     if interrupted {
         console.say("interrupted; runs without numbers were not finished");
