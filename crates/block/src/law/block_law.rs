@@ -2,13 +2,14 @@
 
 use std::collections::HashMap;
 use std::fmt::{self, Debug};
-use std::ops::Range;
+use std::ops::{Deref, Range};
 use std::sync::{Arc, OnceLock};
 
-use blocksim_law::{Code, Failure, Id, Op, Program, Recorder, Sources};
+use blocksim_law::{Code, Failure, Id, Op, Program, Sources};
 
-use super::reads::{Groups, Reads};
-use super::recording::{self, Recording};
+use super::forms::Forms;
+use super::reads::{Groups, Reads, reads, requirements_of};
+use super::recording::Written;
 use crate::physical::Component;
 use crate::problem::Problem;
 use crate::{Block, Bus, Context, Given, Interface, InterfaceError, Piece, Scratch};
@@ -18,6 +19,14 @@ pub struct BlockLaw {
     block: Arc<dyn Block>,
     /// The law. Inputs, states and memories (the discrete states) are numbered as those of the block.
     pub program: Program,
+    /// What the values of the program are to the block.
+    form: Arc<Form>,
+    codes: OnceLock<Codes>,
+}
+
+/// What the values of a law are to its block, and what they depend on. Laws that differ in their numbers alone have it in common.
+#[derive(Debug, Clone, Default)]
+pub struct Form {
     /// What each cell of the outputs is.
     pub outputs: Vec<Id>,
     /// Output group of each cell.
@@ -30,7 +39,7 @@ pub struct BlockLaw {
     pub of_rates: Reads,
     /// What the guards depend on.
     pub of_guards: Reads,
-    /// The groups by values, see [`by_values`](Self::by_values); nothing where they are those of the interface.
+    /// The groups by values, see [`by_values`](BlockLaw::by_values); nothing where they are those of the interface.
     pub values: Option<Vec<ValueGroup>>,
     /// What each derivative is.
     pub derivatives: Vec<Id>,
@@ -45,7 +54,79 @@ pub struct BlockLaw {
     rest_group: Option<usize>,
     /// Discrete states that change at sample hits, and what they become.
     pub updated: Vec<(usize, Id)>,
-    codes: OnceLock<Codes>,
+}
+
+impl Deref for BlockLaw {
+    type Target = Form;
+
+    fn deref(&self) -> &Form {
+        &self.form
+    }
+}
+
+impl Form {
+    /// What an optimised program is to a block with this interface, whose input and output ports lie so. The outputs of the program are
+    /// all that was written, one list behind the other.
+    ///
+    /// # Errors
+    /// The program does what no law of a block may.
+    pub(super) fn new(
+        program: &Program,
+        written: &Written,
+        interface: &Interface,
+        inputs: &[(u32, u32)],
+        outputs: &[(u32, u32)],
+    ) -> Result<Self, String> {
+        if !program.modes.is_empty() {
+            return Err("the law has modes of its own".to_owned());
+        }
+        let mut ids = program.outputs.iter().map(|(_, id)| *id);
+        let mut all = |list: &[Option<Id>]| ids.by_ref().take(list.len()).collect::<Vec<Id>>();
+        let (y, dx, g) = (all(&written.outputs), all(&written.derivatives), all(&written.guards));
+        let mut some = |list: &[Option<Id>]| {
+            let said = list.iter().enumerate().filter(|(_, id)| id.is_some()).map(|(i, _)| i);
+            said.zip(ids.by_ref()).collect::<Vec<_>>()
+        };
+        let (settled, updated) = (some(&written.settled), some(&written.updated));
+        let rest = some(&written.rest);
+        let unknowns = interface.constraint.iter().flat_map(|constraint| &constraint.unknowns);
+        let mut form = Self {
+            group_of: vec![0; y.len()],
+            outputs: y,
+            derivatives: dx,
+            guards: g,
+            rest: unknowns.zip(rest).map(|((place, _), (_, id))| (*place, id)).collect(),
+            rest_group: interface.constraint.as_ref().map(|constraint| constraint.rest),
+            settled,
+            updated,
+            ..Self::default()
+        };
+        if form.reads_unknown(program, form.derivatives.iter().chain(&form.guards)) {
+            return Err("a derivative or guard depends on an unknown".to_owned());
+        }
+        form.of_outputs = outputs.iter().map(|span| reads(program, &form.outputs[cells(*span)])).collect();
+        form.of_rates = reads(program, &form.derivatives);
+        form.of_guards = reads(program, &form.guards);
+        form.groups = form.output_groups(program, interface, inputs, outputs);
+        for (span, group) in outputs.iter().zip(&form.groups.of) {
+            form.group_of[cells(*span)].fill(*group);
+        }
+        Ok(form)
+    }
+
+    /// Whether any of these values depends on what the engine finds.
+    fn reads_unknown<'i>(&self, program: &Program, ids: impl Iterator<Item = &'i Id>) -> bool {
+        let mut open: Vec<Id> = if self.rest.is_empty() { Vec::new() } else { ids.copied().collect() };
+        let mut seen = vec![false; program.instructions.len()];
+        while let Some(id) = open.pop() {
+            match program.op(id) {
+                Op::Parameter(_) => return true,
+                op if !std::mem::replace(&mut seen[id.0 as usize], true) => open.extend(op.operands()),
+                _ => (),
+            }
+        }
+        false
+    }
 }
 
 /// Output cells of a block that depend on the same input cells.
@@ -77,7 +158,8 @@ struct Codes {
 const FEW: usize = 128;
 
 impl BlockLaw {
-    /// The law of a block with this interface, whose input and output ports lie so; `None` if the block records none.
+    /// The law of a block with this interface, whose input and output ports lie so; `None` if the block records none. Who records
+    /// many has [`Forms`].
     ///
     /// # Errors
     /// What is wrong with the law: an output, derivative or guard that is not said or said twice.
@@ -87,65 +169,11 @@ impl BlockLaw {
         inputs: &[(u32, u32)],
         outputs: &[(u32, u32)],
     ) -> Result<Option<Self>, String> {
-        let recorder = Recorder::new();
-        let recording = Recording::new(&recorder, interface, inputs, outputs);
-        if !block.law(&recording) {
-            return Ok(None);
-        }
-        let written = recording.finish()?;
-        let whole = |list: &[Option<Id>], what: &str| match list.iter().position(Option::is_none) {
-            Some(i) => Err(format!("{what} {i} is not set")),
-            None => Ok(list.len()),
-        };
-        whole(&written.rest, "equation")?;
-        let counts = [
-            whole(&written.outputs, "output")?,
-            whole(&written.derivatives, "derivative")?,
-            whole(&written.guards, "guard")?,
-        ];
-        let program = recording::program(recorder, &written).optimised();
-        if !program.modes.is_empty() {
-            return Err("the law has modes of its own".to_owned());
-        }
-        let mut ids = program.outputs.iter().map(|(_, id)| *id);
-        let [y, dx, g] = counts.map(|n| ids.by_ref().take(n).collect::<Vec<Id>>());
-        let mut some = |list: &[Option<Id>]| {
-            let said = list.iter().enumerate().filter(|(_, id)| id.is_some()).map(|(i, _)| i);
-            said.zip(ids.by_ref()).collect::<Vec<_>>()
-        };
-        let (settled, updated) = (some(&written.settled), some(&written.updated));
-        let rest = some(&written.rest);
-        let unknowns = interface.constraint.iter().flat_map(|constraint| &constraint.unknowns);
-        let rest = unknowns.zip(rest).map(|((place, _), (_, id))| (*place, id)).collect();
-        let mut law = Self {
-            block: Arc::clone(block),
-            group_of: vec![0; y.len()],
-            groups: Groups::default(),
-            of_outputs: Vec::new(),
-            of_rates: Reads::default(),
-            of_guards: Reads::default(),
-            outputs: y,
-            values: None,
-            derivatives: dx,
-            guards: g,
-            rest,
-            rest_group: interface.constraint.as_ref().map(|constraint| constraint.rest),
-            settled,
-            updated,
-            codes: OnceLock::new(),
-            program,
-        };
-        if law.reads_unknown(law.derivatives.iter().chain(&law.guards)) {
-            return Err("a derivative or guard depends on an unknown".to_owned());
-        }
-        law.of_outputs = outputs.iter().map(|span| law.reads(&law.outputs[cells(*span)])).collect();
-        law.of_rates = law.reads(&law.derivatives);
-        law.of_guards = law.reads(&law.guards);
-        law.groups = law.output_groups(interface, inputs, outputs);
-        for (span, group) in outputs.iter().zip(&law.groups.of) {
-            law.group_of[cells(*span)].fill(*group);
-        }
-        Ok(Some(law))
+        Forms::default().record(block, interface, inputs, outputs)
+    }
+
+    pub(super) fn new(block: &Arc<dyn Block>, program: Program, form: Arc<Form>) -> Self {
+        Self { block: Arc::clone(block), program, form, codes: OnceLock::new() }
     }
 
     /// The same law with output groups that follow from it: outputs that read the same cells of the inputs are one, whatever
@@ -180,24 +208,15 @@ impl BlockLaw {
         if groups.iter().all(is_as_fine) {
             return None;
         }
-        Some(Self {
-            block: Arc::clone(&self.block),
-            program: self.program.clone(),
-            outputs: self.outputs.clone(),
+        let form = Form {
             group_of,
-            groups: self.groups.clone(),
-            of_outputs: self.of_outputs.clone(),
-            of_rates: self.of_rates.clone(),
-            of_guards: self.of_guards.clone(),
             values: Some(groups),
-            derivatives: self.derivatives.clone(),
-            guards: self.guards.clone(),
             rest: Vec::new(),
             rest_group: None,
             settled: Vec::new(),
-            updated: self.updated.clone(),
-            codes: OnceLock::new(),
-        })
+            ..Form::clone(&self.form)
+        };
+        Some(Self::new(&self.block, self.program.clone(), Arc::new(form)))
     }
 
     /// The settled states that are chosen with a group, by their number among [`settled`](Self::settled).
@@ -224,20 +243,6 @@ impl BlockLaw {
         let is_found = |cell: &usize| self.rest.iter().any(|(place, _)| place == cell);
         let cells = self.cells_of(group).into_iter().filter(|cell| !is_found(cell));
         cells.map(|cell| (cell, self.outputs[cell])).collect()
-    }
-
-    /// Whether any of these values depends on what the engine finds.
-    fn reads_unknown<'i>(&self, ids: impl Iterator<Item = &'i Id>) -> bool {
-        let mut open: Vec<Id> = if self.rest.is_empty() { Vec::new() } else { ids.copied().collect() };
-        let mut seen = vec![false; self.program.instructions.len()];
-        while let Some(id) = open.pop() {
-            match self.program.op(id) {
-                Op::Parameter(_) => return true,
-                op if !std::mem::replace(&mut seen[id.0 as usize], true) => open.extend(op.operands()),
-                _ => (),
-            }
-        }
-        false
     }
 
     fn codes(&self) -> &Codes {
@@ -280,23 +285,7 @@ impl BlockLaw {
 
     /// The requirements that what these values need stands under.
     pub fn requirements_of(&self, wanted: &[Id]) -> Vec<Id> {
-        if self.program.requirements.is_empty() {
-            return Vec::new();
-        }
-        let mut needed = vec![false; self.program.instructions.len()];
-        wanted.iter().for_each(|id| needed[id.0 as usize] = true);
-        for at in (0..needed.len()).rev() {
-            if needed[at] {
-                let operands = self.program.instructions[at].op.operands();
-                operands.for_each(|id| needed[id.0 as usize] = true);
-            }
-        }
-        // One counts where the number that it is about is needed for something that may go wrong by it.
-        let about = |id: &Id| match self.program.op(*id) {
-            Op::Require(_, _, about) => needed[about.0 as usize],
-            _ => false,
-        };
-        self.program.requirements.iter().copied().filter(about).collect()
+        requirements_of(&self.program, wanted)
     }
 
     /// Why the law cannot go on.

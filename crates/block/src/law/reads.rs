@@ -1,8 +1,8 @@
 //! What the values of a law depend on, and what follows for the interface of its block.
 
-use blocksim_law::{Id, Op};
+use blocksim_law::{Id, Op, Program};
 
-use super::BlockLaw;
+use super::{BlockLaw, Form};
 use crate::Interface;
 
 /// What values of a law depend on at the same instant.
@@ -40,17 +40,48 @@ pub(super) struct Groups {
     pub ends: Vec<u32>,
 }
 
+/// What values of a program depend on, with the requirements that they stand under.
+pub(super) fn reads(program: &Program, wanted: &[Id]) -> Reads {
+    if wanted.is_empty() {
+        return Reads::default();
+    }
+    let mut open = wanted.to_vec();
+    open.extend(requirements_of(program, wanted));
+    Walk::new(program).reads(open)
+}
+
+/// The requirements that what values of a program need stands under.
+pub(super) fn requirements_of(program: &Program, wanted: &[Id]) -> Vec<Id> {
+    if program.requirements.is_empty() {
+        return Vec::new();
+    }
+    let mut needed = vec![false; program.instructions.len()];
+    wanted.iter().for_each(|id| needed[id.0 as usize] = true);
+    for at in (0..needed.len()).rev() {
+        if needed[at] {
+            let operands = program.instructions[at].op.operands();
+            operands.for_each(|id| needed[id.0 as usize] = true);
+        }
+    }
+    // One counts where the number that it is about is needed for something that may go wrong by it.
+    let about = |id: &Id| match program.op(*id) {
+        Op::Require(_, _, about) => needed[about.0 as usize],
+        _ => false,
+    };
+    program.requirements.iter().copied().filter(about).collect()
+}
+
 /// Walks from values to what they depend on, many times in one program.
 struct Walk<'l> {
-    law: &'l BlockLaw,
+    program: &'l Program,
     /// The walk that has come to each value last.
     seen: Vec<u32>,
     walk: u32,
 }
 
 impl<'l> Walk<'l> {
-    fn new(law: &'l BlockLaw) -> Self {
-        Self { law, seen: vec![0; law.program.instructions.len()], walk: 0 }
+    fn new(program: &'l Program) -> Self {
+        Self { program, seen: vec![0; program.instructions.len()], walk: 0 }
     }
 
     fn reads(&mut self, mut open: Vec<Id>) -> Reads {
@@ -60,7 +91,7 @@ impl<'l> Walk<'l> {
             if std::mem::replace(&mut self.seen[id.0 as usize], self.walk) == self.walk {
                 continue;
             }
-            match self.law.program.op(id) {
+            match self.program.op(id) {
                 Op::Input(cell) => reads.inputs.push(cell),
                 Op::Memory(i) => reads.discrete.push(i),
                 Op::State(_) => reads.states = true,
@@ -85,9 +116,7 @@ struct Choice {
 impl BlockLaw {
     /// What these values depend on, with the requirements that they stand under.
     pub fn reads(&self, wanted: &[Id]) -> Reads {
-        let mut open = wanted.to_vec();
-        open.extend(self.requirements_of(wanted));
-        Walk::new(self).reads(open)
+        reads(&self.program, wanted)
     }
 
     /// What the outputs of a group depend on, port by port.
@@ -117,11 +146,14 @@ impl BlockLaw {
         }
         interface
     }
+}
 
+impl Form {
     /// Output groups by ports: outputs that depend on the same inputs at the same instant are one. Modes are chosen with a group that
     /// knows the inputs that choose them, and outputs that depend on modes depend on these inputs, too.
     pub(super) fn output_groups(
         &self,
+        program: &Program,
         interface: &Interface,
         inputs: &[(u32, u32)],
         outputs: &[(u32, u32)],
@@ -132,7 +164,7 @@ impl BlockLaw {
             ports.dedup();
             ports
         };
-        let choices = self.choices(ports);
+        let choices = self.choices(program, ports);
         let mut choice_of = vec![None; interface.discrete.len()];
         for (number, choice) in choices.iter().enumerate() {
             choice.members.iter().for_each(|&member| choice_of[self.settled[member].0] = Some(number));
@@ -199,14 +231,14 @@ impl BlockLaw {
     }
 
     /// Settled states by what they are chosen by. Those that are chosen by each other are chosen at once, from what all were.
-    fn choices(&self, ports: impl Fn(&Reads) -> Vec<usize>) -> Vec<Choice> {
+    fn choices(&self, program: &Program, ports: impl Fn(&Reads) -> Vec<usize>) -> Vec<Choice> {
         let ids: Vec<Id> = self.settled.iter().map(|(_, id)| *id).collect();
-        let requirements = self.requirements_of(&ids);
+        let requirements = requirements_of(program, &ids);
         if !requirements.is_empty() {
-            let reads = Walk::new(self).reads(ids.iter().copied().chain(requirements).collect());
+            let reads = Walk::new(program).reads(ids.iter().copied().chain(requirements).collect());
             return vec![Choice { members: (0..ids.len()).collect(), ports: ports(&reads) }];
         }
-        let mut walk = Walk::new(self);
+        let mut walk = Walk::new(program);
         let reads: Vec<Reads> = ids.iter().map(|id| walk.reads(vec![*id])).collect();
         let mut choice_of: Vec<usize> = (0..ids.len()).collect();
         for (k, of) in reads.iter().enumerate() {

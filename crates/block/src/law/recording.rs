@@ -14,10 +14,11 @@ use crate::{Discrete, Interface};
 /// The order of operations is that of the law: the engine changes no bit of it.
 pub struct Recording<'r> {
     recorder: &'r Recorder,
-    inputs: Vec<Vec<Value<'r>>>,
-    shapes: Vec<Option<Shape>>,
+    /// The cells of the inputs, and where those of each port lie among them.
+    inputs: Vec<Value<'r>>,
+    spans: &'r [(u32, u32)],
+    interface: &'r Interface,
     x: Vec<Value<'r>>,
-    discrete: &'r [Discrete],
     d: OnceCell<Vec<Value<'r>>>,
     /// What the engine finds, with its place among all outputs.
     unknowns: Vec<(usize, Value<'r>)>,
@@ -45,26 +46,23 @@ impl<'r> Recording<'r> {
     pub(super) fn new(
         recorder: &'r Recorder,
         interface: &'r Interface,
-        inputs: &[(u32, u32)],
+        inputs: &'r [(u32, u32)],
         outputs: &[(u32, u32)],
     ) -> Self {
-        let port = |port: usize, (start, end): (u32, u32)| {
-            let name = &interface.inputs[port].name;
-            (0..end - start).map(|i| recorder.input(&format!("{name}[{i}]"))).collect()
-        };
+        let read = inputs.iter().map(|span| span.1).max().unwrap_or(0);
         let cells = outputs.iter().map(|span| span.1 as usize).max().unwrap_or(0);
         let none = |n: usize| vec![None; n];
-        let sought = interface.constraint.iter().flat_map(|constraint| &constraint.unknowns).enumerate();
-        let unknowns: Vec<(usize, Value)> = sought
-            .map(|(k, (place, guess))| (*place, recorder.parameter(&format!("z[{k}]"), *guess)))
-            .collect();
+        // A law has no names: those of ports and states are in the interface, by the same numbers.
+        let sought = interface.constraint.iter().flat_map(|constraint| &constraint.unknowns);
+        let unknowns: Vec<(usize, Value)> =
+            sought.map(|(place, guess)| (*place, recorder.parameter("", *guess))).collect();
         let mut given = none(cells);
         unknowns.iter().for_each(|(place, value)| given[*place] = Some(value.id()));
         Self {
-            inputs: inputs.iter().enumerate().map(|(k, span)| port(k, *span)).collect(),
-            shapes: interface.inputs.iter().map(|input| input.shape).collect(),
-            x: interface.states.iter().map(|state| recorder.state(&state.name, state.initial)).collect(),
-            discrete: &interface.discrete,
+            inputs: (0..read).map(|_| recorder.input("")).collect(),
+            spans: inputs,
+            x: interface.states.iter().map(|state| recorder.state("", state.initial)).collect(),
+            interface,
             d: OnceCell::new(),
             written: RefCell::new(Written {
                 outputs: given,
@@ -91,22 +89,24 @@ impl<'r> Recording<'r> {
 
     /// All elements of an input port.
     pub fn input(&self, port: usize) -> &[Value<'r>] {
-        &self.inputs[port]
+        let (start, end) = self.spans[port];
+        &self.inputs[start as usize..end as usize]
     }
 
     /// The first element of an input port.
     pub fn u(&self, port: usize) -> Value<'r> {
-        self.inputs[port][0]
+        self.input(port)[0]
     }
 
     /// Element `i` of an input port; a scalar stands for every element.
     pub fn element(&self, port: usize, i: usize) -> Value<'r> {
-        if let [value] = self.inputs[port][..] { value } else { self.inputs[port][i] }
+        let elements = self.input(port);
+        if let [value] = elements { *value } else { elements[i] }
     }
 
     /// Shape of an input port, as the interface demands it; a vector where it demands none.
     pub fn shape(&self, port: usize) -> Shape {
-        self.shapes[port].unwrap_or_else(|| match self.inputs[port].len() {
+        self.interface.inputs[port].shape.unwrap_or_else(|| match self.input(port).len() {
             1 => Shape::Scalar,
             n => Shape::Vector(n),
         })
@@ -114,7 +114,7 @@ impl<'r> Recording<'r> {
 
     /// Number of input ports.
     pub fn inputs(&self) -> usize {
-        self.inputs.len()
+        self.spans.len()
     }
 
     /// Number of elements of an output port.
@@ -142,8 +142,8 @@ impl<'r> Recording<'r> {
     /// Discrete states, as they are held.
     pub fn d(&self) -> &[Value<'r>] {
         // A memory may have millions of cells, and what only copies it records no law.
-        let memory = |state: &Discrete| self.recorder.memory(&state.name(), state.initial);
-        self.d.get_or_init(|| self.discrete.iter().map(memory).collect())
+        let memory = |state: &Discrete| self.recorder.memory("", state.initial);
+        self.d.get_or_init(|| self.interface.discrete.iter().map(memory).collect())
     }
 
     /// Output `place`, counted over all ports, which the engine finds; nothing if it does not.
@@ -237,23 +237,35 @@ impl Written {
     }
 }
 
-/// A program whose outputs are all that was said.
-pub(super) fn program(recorder: Recorder, written: &Written) -> Program {
-    let mut program = recorder.finish();
-    // Blocks name their guards and angles themselves.
-    program.kinks.clear();
-    program.turns.clear();
-    let lists = [
-        ("y", &written.outputs),
-        ("dx", &written.derivatives),
-        ("g", &written.guards),
-        ("settle", &written.settled),
-        ("update", &written.updated),
-        ("rest", &written.rest),
-    ];
-    for (name, list) in lists {
-        let said = list.iter().enumerate().filter_map(|(i, id)| Some((i, (*id)?)));
-        program.outputs.extend(said.map(|(i, id)| (format!("{name}[{i}]"), id)));
+impl Written {
+    /// All that was said, list by list.
+    pub(super) fn lists(&self) -> [&[Option<Id>]; 6] {
+        let Self { outputs, derivatives, guards, settled, updated, rest, .. } = self;
+        [outputs, derivatives, guards, settled, updated, rest]
     }
-    program
+
+    /// Whether everything was said that has to be.
+    ///
+    /// # Errors
+    /// What was not.
+    pub(super) fn is_whole(&self) -> Result<(), String> {
+        let lists = [
+            (&self.rest, "equation"),
+            (&self.outputs, "output"),
+            (&self.derivatives, "derivative"),
+            (&self.guards, "guard"),
+        ];
+        for (list, what) in lists {
+            if let Some(i) = list.iter().position(Option::is_none) {
+                return Err(format!("{what} {i} is not set"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The program whose outputs are all that was said.
+    pub(super) fn wanted_of(&self, program: Program) -> Program {
+        let said = self.lists().into_iter().flatten().flatten();
+        Program { outputs: said.map(|id| (String::new(), *id)).collect(), ..program }
+    }
 }

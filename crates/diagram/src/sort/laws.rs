@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use blocksim_block::law::{BlockLaw, ValueGroup};
+use blocksim_block::law::{BlockLaw, Forms, ValueGroup};
 use blocksim_block::problem::Problem;
 use blocksim_block::{Block, Interface};
 
@@ -46,6 +46,7 @@ impl Laws {
     /// Has all blocks record their laws that can, and completes their interfaces by them. Those of conditional subsystems run the laws
     /// of the blocks within them.
     pub fn record(flat: &Flat, typed: &mut Typed, problems: &mut Problems) -> Self {
+        let mut forms = Forms::default();
         let blocks = flat.blocks.iter().enumerate();
         let known = blocks.map(|(number, block)| {
             let (inputs, outputs) = spans(typed, number, block);
@@ -66,7 +67,7 @@ impl Laws {
                 }
                 None => {
                     let interface = &mut typed.interfaces[number];
-                    let law = BlockLaw::record(&block.block, interface, &inputs, &outputs);
+                    let law = forms.record(&block.block, interface, &inputs, &outputs);
                     if let Ok(Some(law)) = &law {
                         *interface = law.complete(std::mem::take(interface));
                     }
