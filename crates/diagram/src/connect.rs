@@ -1,5 +1,7 @@
 //! Connections of one level: every name exists, directions fit, every input has one driver.
 
+use std::cell::OnceCell;
+
 use blocksim_block::physical::Domain;
 use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::{closest, surely};
@@ -57,7 +59,7 @@ struct Wiring<'a> {
     blocks: HashMap<&'a str, &'a ModelBlock>,
     problems: &'a mut Problems,
     /// Block and input, and the connection that drives it.
-    drivers: HashMap<(String, String), Place>,
+    drivers: HashMap<(&'a str, &'a str), Place>,
     /// Blocks that a connection names with a port that they do not have, and ports of blocks that there are not: inputs
     /// without a driver, most likely, because of that.
     misnamed: HashSet<&'a str>,
@@ -68,8 +70,8 @@ struct Wiring<'a> {
     lacking: HashSet<(FileId, &'a str)>,
     /// Names that nothing has, so far.
     unknown: usize,
-    /// How often connections name what they join.
-    named: HashMap<&'a str, usize>,
+    /// How often connections name what they join, once somebody asks.
+    named: OnceCell<HashMap<&'a str, usize>>,
     /// Names of blocks that are written another way wherever they are used, and have been told.
     told: HashSet<&'a str>,
 }
@@ -82,11 +84,8 @@ impl<'a> Wiring<'a> {
     ) -> Wiring<'a> {
         let mut seen = HashSet::new();
         let names = model.blocks.iter().map(|block| block.name.as_str());
+        let names = names.filter(|_| blocks.len() < model.blocks.len());
         let doubled = names.filter(|name| !seen.insert(*name)).collect();
-        let mut named = HashMap::new();
-        for reference in model.ast.connections.iter().flat_map(ConnectionAst::references) {
-            *named.entry(reference.block.as_str()).or_default() += 1;
-        }
         Wiring {
             model,
             blocks,
@@ -97,7 +96,7 @@ impl<'a> Wiring<'a> {
             doubled,
             lacking: HashSet::new(),
             unknown: 0,
-            named,
+            named: OnceCell::new(),
             told: HashSet::new(),
         }
     }
@@ -156,11 +155,18 @@ impl<'a> Wiring<'a> {
     /// A name that stands in several connections, and a block of nearly that name which stands in none: the slip is in the one
     /// place where the block is declared. Told once.
     fn defined_otherwise(&mut self, reference: &'a Reference) -> bool {
-        let uses = self.named.get(reference.block.as_str()).copied().unwrap_or_default();
+        let named = self.named.get_or_init(|| {
+            let mut named = HashMap::new();
+            for reference in self.model.ast.connections.iter().flat_map(ConnectionAst::references) {
+                *named.entry(reference.block.as_str()).or_default() += 1;
+            }
+            named
+        });
+        let uses = named.get(reference.block.as_str()).copied().unwrap_or_default();
         if uses < 2 || self.unknown > GUESSES {
             return false;
         }
-        let unused = self.model.blocks.iter().filter(|block| !self.named.contains_key(block.name.as_str()));
+        let unused = self.model.blocks.iter().filter(|block| !named.contains_key(block.name.as_str()));
         let unused: Vec<&ModelBlock> = unused.collect();
         let meant = surely(&reference.block, unused.iter().map(|block| block.name.as_str()));
         let Some(block) = unused.iter().find(|block| Some(block.name.as_str()) == meant) else {
@@ -276,7 +282,7 @@ impl<'a> Wiring<'a> {
                     .help("drive the whole input; a BusCreator makes a bus"),
             );
         }
-        let key = (reference.block.clone(), reference.port.clone());
+        let key = (reference.block.as_str(), reference.port.as_str());
         if let Some(other) = self.drivers.insert(key, place.clone())
             && !self.doubled.contains(reference.block.as_str())
         {
@@ -373,23 +379,22 @@ impl<'a> Wiring<'a> {
             return;
         }
         for block in &self.model.blocks {
-            let needed: Vec<(String, bool)> = match &block.content {
-                Content::Block { interface, .. } => interface
-                    .inputs
-                    .iter()
-                    .map(|input| (input.name.clone(), input.default.is_some()))
-                    .collect(),
+            let needed: Vec<&str> = match &block.content {
+                Content::Block { interface, .. } => {
+                    let needed = interface.inputs.iter().filter(|input| input.default.is_none());
+                    needed.map(|input| input.name.as_str()).collect()
+                }
                 // One of these is called otherwise inside.
                 Content::Diagram(inside) if inside.ast.lacks_inputs() => Vec::new(),
-                Content::Diagram(inside) => inside.inputs().map(|name| (name.to_owned(), false)).collect(),
+                Content::Diagram(inside) => inside.inputs().collect(),
                 Content::Unknown => Vec::new(),
             };
-            for (input, _) in needed.iter().filter(|(_, has_default)| !has_default) {
-                let driven = self.drivers.contains_key(&(block.name.clone(), input.clone()));
+            for input in needed {
+                let driven = self.drivers.contains_key(&(block.name.as_str(), input));
                 // The cause has been told: a connection that leads elsewhere than was meant.
                 let told = self.misnamed.contains(block.name.as_str())
                     || self.doubled.contains(block.name.as_str())
-                    || self.adrift.contains(input.as_str());
+                    || self.adrift.contains(input);
                 if !driven && !told {
                     self.problems.push(
                         Problem::error(

@@ -12,7 +12,9 @@ impl Section<'_> {
             self.expected("a list of connections", node);
             return Vec::new();
         };
-        items.iter().filter_map(|item| self.connection(item)).collect()
+        let mut connections = Vec::with_capacity(items.len());
+        connections.extend(items.iter().filter_map(|item| self.connection(item)));
+        connections
     }
 
     fn connection(&mut self, node: &Node) -> Option<ConnectionAst> {
@@ -22,7 +24,12 @@ impl Section<'_> {
         };
         // Texts without escapes begin one quote after their place.
         let base = node.span.start + 1;
-        let (arrow, double) = (text.find("->").filter(|at| !text[..*at].ends_with('<')), text.find("<->"));
+        let first = text.as_bytes().windows(2).position(|signs| signs == b"->");
+        let (arrow, double) = match first {
+            Some(at) if text[..at].ends_with('<') => (None, Some(at - 1)),
+            Some(at) => (first, text[at..].find('<').and_then(|_| text.find("<->"))),
+            None => (None, None),
+        };
         let problem = |this: &mut Self, message: &str, help: &str| {
             let place = this.place(&node.span);
             this.problems.push(Problem::error("syntax", message).at(&place, "").help(help));
@@ -66,15 +73,13 @@ impl Section<'_> {
         let trimmed = text.trim();
         let start = base + text.len() - text.trim_start().len();
         let span = start..start + trimmed.len();
-        let mut parts = trimmed.split('.').map(str::to_owned);
+        let mut parts = trimmed.split('.');
         let fits =
-            |part: &String| !part.is_empty() && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+            |part: &&str| !part.is_empty() && part.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_');
         match (parts.next().filter(fits), parts.next().filter(fits)) {
-            (Some(block), Some(port)) => {
-                let elements: Vec<String> = parts.collect();
-                if elements.iter().all(fits) {
-                    return Some(Reference { block, port, elements, span });
-                }
+            (Some(block), Some(port)) if parts.clone().all(|part| fits(&part)) => {
+                let elements = parts.map(str::to_owned).collect();
+                return Some(Reference { block: block.to_owned(), port: port.to_owned(), elements, span });
             }
             (Some(block), None) if !trimmed.contains('.') => {
                 let place = self.place(&span);

@@ -84,9 +84,9 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
         let mut reader = Section { file, problems };
         match name.text.as_str() {
             "title" => ast.title = reader.text(node),
-            "parameters" => ast.parameters = reader.named(node, "parameter"),
+            "parameters" => ast.parameters = reader.named(node, "parameter").to_vec(),
             "simulation" => ast.simulation = Some(node.clone()),
-            "inputs" => ast.inputs = reader.named(node, "input"),
+            "inputs" => ast.inputs = reader.named(node, "input").to_vec(),
             "outputs" => ast.outputs = reader.references(node, "output"),
             "ports" => ast.ports = reader.references(node, "port"),
             "blocks" => ast.blocks = reader.blocks(node),
@@ -140,11 +140,20 @@ fn entries(node: &Node) -> Option<usize> {
     }
 }
 
+/// Most members of a small set.
+const SMALL: usize = 8;
+
 /// Reports names that stand twice.
 pub(super) fn unique(file: FileId, members: &[(Name, Node)], what: &str, problems: &mut Problems) {
+    // Most sets are so small that to look through them is quicker than a map.
+    let is_small = members.len() <= SMALL;
     let mut first: HashMap<&str, &Name> = HashMap::new();
-    for (name, _) in members {
-        if let Some(other) = first.insert(&name.text, name) {
+    for (at, (name, _)) in members.iter().enumerate() {
+        let other = match is_small {
+            true => members[..at].iter().map(|(other, _)| other).rfind(|other| other.text == name.text),
+            false => first.insert(&name.text, name),
+        };
+        if let Some(other) = other {
             let place = |span: &Range<usize>| Place { file, span: span.clone() };
             problems.push(
                 Problem::error("duplicate_name", format!("the {what} `{}` is defined twice", name.text))
@@ -182,16 +191,16 @@ impl Section<'_> {
         None
     }
 
-    fn named(&mut self, node: &Node, what: &str) -> Vec<(Name, Node)> {
+    fn named<'n>(&mut self, node: &'n Node, what: &str) -> &'n [(Name, Node)] {
         let Some(members) = node.members() else {
             self.expected("names with values, as in `{\"a\": 1}`", node);
-            return Vec::new();
+            return &[];
         };
         unique(self.file, members, what, self.problems);
         for (name, _) in members {
             self.check_name(name, what);
         }
-        members.to_vec()
+        members
     }
 
     fn check_name(&mut self, name: &Name, what: &str) {
@@ -210,13 +219,13 @@ impl Section<'_> {
     fn references(&mut self, node: &Node, what: &str) -> Vec<(Name, Reference)> {
         let members = self.named(node, what);
         members
-            .into_iter()
+            .iter()
             .filter_map(|(name, node)| {
                 let Shape::Text(text) = &node.value else {
-                    self.expected("a text such as `\"block.port\"`", &node);
+                    self.expected("a text such as `\"block.port\"`", node);
                     return None;
                 };
-                self.reference(text, node.span.start + 1).map(|reference| (name, reference))
+                self.reference(text, node.span.start + 1).map(|reference| (name.clone(), reference))
             })
             .collect()
     }
@@ -244,36 +253,33 @@ impl Section<'_> {
 
     fn blocks(&mut self, node: &Node) -> Vec<BlockAst> {
         let members = self.named(node, "block");
-        members
-            .into_iter()
-            .filter_map(|(name, node)| {
-                let (kind, parameters) = match node.value {
-                    Shape::Word(ref word) => {
-                        (Name { text: word.clone(), span: node.span.clone() }, Vec::new())
-                    }
-                    Shape::Struct(Some(ref kind), ref members) => (kind.clone(), members.clone()),
-                    Shape::Tuple(Some(ref kind), ref items) if items.is_empty() => (kind.clone(), Vec::new()),
-                    Shape::Tuple(Some(ref kind), ref items) => {
-                        let problem = self.nameless(&name, kind, items, &node);
-                        self.problems.push(problem);
-                        return None;
-                    }
-                    _ => {
-                        self.expected("a block such as `Gain(k: 2)`", &node);
-                        return None;
-                    }
-                };
-                unique(self.file, &parameters, "parameter", self.problems);
-                let mut label = None;
-                let mut kept = Vec::new();
-                for (name, value) in parameters {
-                    match &value.value {
-                        Shape::Text(text) if name.text == "label" => label = Some(text.clone()),
-                        _ => kept.push((name, value)),
-                    }
+        let mut blocks = Vec::with_capacity(members.len());
+        blocks.extend(members.iter().filter_map(|(name, node)| {
+            let (kind, parameters) = match &node.value {
+                Shape::Word(word) => (Name { text: word.clone(), span: node.span.clone() }, &[][..]),
+                Shape::Struct(Some(kind), members) => (kind.clone(), &members[..]),
+                Shape::Tuple(Some(kind), items) if items.is_empty() => (kind.clone(), &[][..]),
+                Shape::Tuple(Some(kind), items) => {
+                    let problem = self.nameless(name, kind, items, node);
+                    self.problems.push(problem);
+                    return None;
                 }
-                Some(BlockAst { name, kind, label, parameters: kept, span: node.span.clone() })
-            })
-            .collect()
+                _ => {
+                    self.expected("a block such as `Gain(k: 2)`", node);
+                    return None;
+                }
+            };
+            unique(self.file, parameters, "parameter", self.problems);
+            let mut label = None;
+            let mut kept = Vec::with_capacity(parameters.len());
+            for (name, value) in parameters {
+                match &value.value {
+                    Shape::Text(text) if name.text == "label" => label = Some(text.clone()),
+                    _ => kept.push((name.clone(), value.clone())),
+                }
+            }
+            Some(BlockAst { name: name.clone(), kind, label, parameters: kept, span: node.span.clone() })
+        }));
+        blocks
     }
 }
