@@ -16,7 +16,7 @@ pub(super) fn lay_out(
     sorted: &Sorted,
     clock: Clock,
     rates: &HashMap<usize, usize>,
-    when: &HashMap<Group, When>,
+    when: &[When],
 ) -> Schedule {
     let (flat, typed) = (order.flat, order.typed);
     let watched = watched(order, when, rates);
@@ -46,7 +46,7 @@ pub(super) fn lay_out(
     let mut recorded = Columns::default();
     let held = |source: &Source| {
         let mut groups = order.writers(source.block, source.output);
-        groups.all(|group| when[&group] != When::Continuous)
+        groups.all(|group| when[order.number(group)] != When::Continuous)
     };
     for (index, (block, interface)) in flat.blocks.iter().zip(&typed.interfaces).enumerate() {
         let mut gather = Vec::new();
@@ -122,8 +122,8 @@ pub(super) fn lay_out(
         .map(|(block, group)| Step {
             block: *block as u32,
             group: *group as u32,
-            when: when[&(*block, *group)],
-            minor: needed.contains(&(*block, *group)),
+            when: when[order.number((*block, *group))],
+            minor: needed[order.number((*block, *group))],
         })
         .collect();
     let numbered = sorted.groups.iter().enumerate().filter(|_| !sorted.rings.is_empty());

@@ -66,7 +66,7 @@ impl Order<'_> {
             let closed = kosaraju_scc(&graph).into_iter().find(|part| is_closed(&graph, part));
             let Some(part) = closed else { break };
             slip.get_or_insert_with(|| {
-                let mut part: Vec<NodeIndex> = part.iter().map(|node| self.node_of[&graph[*node]]).collect();
+                let mut part: Vec<NodeIndex> = part.iter().map(|node| self.node(graph[*node])).collect();
                 part.sort_by_key(|node| self.graph[*node]);
                 self.cycle(&part)
             });
@@ -141,19 +141,14 @@ impl Order<'_> {
 
     /// Tells of the loops that are solved, unless they are to be refused, and refuses those whose members are not evaluated at the same
     /// times and those that are too large.
-    pub(super) fn judge(
-        &self,
-        sorted: &Sorted,
-        when: &HashMap<Group, When>,
-        policy: LoopPolicy,
-    ) -> Vec<Problem> {
+    pub(super) fn judge(&self, sorted: &Sorted, when: &[When], policy: LoopPolicy) -> Vec<Problem> {
         // Elements of a vector that go the same way make a loop each, and one problem.
         let mut alike: BTreeMap<Vec<usize>, usize> = BTreeMap::new();
         let way = |ring: &Ring| ring.cycle.iter().map(|(block, _)| *block).collect::<Vec<usize>>();
         sorted.rings.iter().for_each(|ring| *alike.entry(way(ring)).or_default() += 1);
         let judged = sorted.rings.iter().enumerate().filter_map(|(number, ring)| {
             let count = alike.remove(&way(ring))?;
-            let mut times = ring.groups.iter().map(|group| when.get(group));
+            let mut times = ring.groups.iter().map(|group| when[self.number(*group)]);
             let first = times.next();
             if times.any(|other| Some(other) != first) {
                 let reason = "its blocks are evaluated at different times: some at samples, others always or at other samples";

@@ -210,4 +210,14 @@ mod tests {
         assert!(messages[0].starts_with("algebraic loop: g00000 -> g19999 -> g19998"));
         assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
     }
+
+    #[test]
+    fn many_readers_of_one_signal_take_no_long_time() {
+        let start = Instant::now();
+        let blocks: String = (0..40_000).map(|i| format!("\"g{i}\": Gain,")).collect();
+        let connections: String = (0..40_000).map(|i| format!("\"c.y -> g{i}.u\",")).collect();
+        let flat = flat(&format!("\"c\": Constant(n: 1), {blocks}"), &connections);
+        assert_eq!(scheduled(flat).0.map(|schedule| schedule.steps.len()), Some(40_001));
+        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+    }
 }

@@ -3,7 +3,6 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use foldhash::{HashMap, HashMapExt};
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
@@ -32,8 +31,13 @@ pub(super) struct Order<'a> {
     pub flat: &'a Flat,
     pub typed: &'a Typed,
     pub laws: &'a Laws,
+    /// The groups in the order of their numbers, see [`number`](Self::number).
     pub graph: DiGraph<Group, ()>,
-    pub node_of: HashMap<Group, NodeIndex>,
+    /// Number of the first group of each block.
+    first: Vec<usize>,
+    /// Groups that each group reads at the same instant, one behind the other, and where those of each end.
+    read: Vec<Group>,
+    read_to: Vec<usize>,
     /// Its strongly connected components.
     components: Vec<Vec<NodeIndex>>,
 }
@@ -44,33 +48,58 @@ impl<'a> Order<'a> {
             flat,
             typed,
             laws,
-            graph: DiGraph::new(),
-            node_of: HashMap::new(),
+            graph: DiGraph::with_capacity(flat.blocks.len(), flat.blocks.len()),
+            first: Vec::with_capacity(flat.blocks.len()),
+            read: Vec::new(),
+            read_to: Vec::new(),
             components: Vec::new(),
         };
         for block in 0..flat.blocks.len() {
+            order.first.push(order.graph.node_count());
             for group in 0..order.groups(block) {
-                order.node_of.insert((block, group), order.graph.add_node((block, group)));
+                order.graph.add_node((block, group));
             }
         }
+        // The reader that each group has got an edge to last: many may read one, so that the graph is not asked.
+        let mut last = vec![None; order.graph.node_count()];
         for block in 0..flat.blocks.len() {
             for group in 0..order.groups(block) {
+                let reader = order.node((block, group));
                 for (from, _) in order.reads(block, group) {
-                    let (a, b) = (order.node_of[&from], order.node_of[&(block, group)]);
-                    order.graph.update_edge(a, b, ());
+                    order.read.push(from);
+                    if last[order.number(from)].replace(reader) != Some(reader) {
+                        order.graph.add_edge(order.node(from), reader, ());
+                    }
                 }
+                order.read_to.push(order.read.len());
             }
             for (from, to) in &typed.interfaces[block].before {
-                let (a, b) = (order.node_of[&(block, *from)], order.node_of[&(block, *to)]);
-                order.graph.update_edge(a, b, ());
+                order.graph.update_edge(order.node((block, *from)), order.node((block, *to)), ());
             }
             if let Some(constraint) = &typed.interfaces[block].constraint {
                 let (rest, group) = ((block, constraint.rest), (block, constraint.group));
-                order.graph.update_edge(order.node_of[&rest], order.node_of[&group], ());
+                order.graph.update_edge(order.node(rest), order.node(group), ());
             }
         }
         order.components = kosaraju_scc(&order.graph);
         order
+    }
+
+    /// The number of a group among all groups.
+    pub(super) fn number(&self, (block, group): Group) -> usize {
+        self.first[block] + group
+    }
+
+    /// The node of a group in the graph.
+    pub(super) fn node(&self, group: Group) -> NodeIndex {
+        NodeIndex::new(self.number(group))
+    }
+
+    /// Groups that a group reads at the same instant.
+    pub(super) fn read(&self, group: Group) -> &[Group] {
+        let number = self.number(group);
+        let start = number.checked_sub(1).map_or(0, |before| self.read_to[before]);
+        &self.read[start..self.read_to[number]]
     }
 
     /// Number of output groups of a block.
@@ -133,16 +162,16 @@ impl<'a> Order<'a> {
     /// The groups that write an output.
     pub(super) fn writers(&self, block: usize, output: usize) -> impl Iterator<Item = Group> + use<> {
         let known = &self.laws.blocks[block];
-        let mut groups = match (&known.law, known.values()) {
+        let (one, mut several) = match (&known.law, known.values()) {
             (Some(law), Some(_)) => {
                 let (start, end) = known.outputs[output];
-                law.group_of[start as usize..end as usize].to_vec()
+                (None, law.group_of[start as usize..end as usize].to_vec())
             }
-            _ => vec![self.typed.interfaces[block].group_of[output]],
+            _ => (Some(self.typed.interfaces[block].group_of[output]), Vec::new()),
         };
-        groups.sort_unstable();
-        groups.dedup();
-        groups.into_iter().map(move |group| (block, group))
+        several.sort_unstable();
+        several.dedup();
+        one.into_iter().chain(several).map(move |group| (block, group))
     }
 
     /// The group that writes a cell of the outputs of a block.

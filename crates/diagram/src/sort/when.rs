@@ -3,14 +3,14 @@
 use blocksim_block::law::Reads;
 use blocksim_block::schedule::When;
 use blocksim_signal::SampleTime;
-use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
+use foldhash::HashMap;
 
 use super::loops::Ring;
 use super::order::{Group, Order, Sorted};
 
-/// When each group must be evaluated, in the order of evaluation.
-pub(super) fn when(order: &Order, sorted: &Sorted, rates: &HashMap<usize, usize>) -> HashMap<Group, When> {
-    let mut when: HashMap<Group, When> = HashMap::new();
+/// When each group must be evaluated, by its number.
+pub(super) fn when(order: &Order, sorted: &Sorted, rates: &HashMap<usize, usize>) -> Vec<When> {
+    let mut when: Vec<Option<When>> = vec![None; order.graph.node_count()];
     let ends: HashMap<Group, &Ring> =
         sorted.rings.iter().filter_map(|ring| Some((*ring.groups.last()?, ring))).collect();
     for (block, group) in &sorted.groups {
@@ -22,8 +22,8 @@ pub(super) fn when(order: &Order, sorted: &Sorted, rates: &HashMap<usize, usize>
             When::Constant
         } else {
             let mut latest = by_itself(order, (*block, *group));
-            for (from, _) in order.reads(*block, *group) {
-                latest = match (latest, when.get(&from)) {
+            for from in order.read((*block, *group)) {
+                latest = match (latest, when[order.number(*from)]) {
                     (When::Continuous, _) | (_, Some(When::Continuous)) => When::Continuous,
                     // Only within an algebraic loop nothing is known yet.
                     (latest, Some(When::Constant) | None) => latest,
@@ -32,12 +32,12 @@ pub(super) fn when(order: &Order, sorted: &Sorted, rates: &HashMap<usize, usize>
             }
             latest
         };
-        when.insert((*block, *group), found);
+        when[order.number((*block, *group))] = Some(found);
         if let Some(ring) = ends.get(&(*block, *group)) {
-            unify(&ring.groups, &mut when);
+            unify(order, &ring.groups, &mut when);
         }
     }
-    when
+    when.into_iter().map(|when| when.unwrap_or(When::Constant)).collect()
 }
 
 /// When a group changes if its inputs do not.
@@ -65,26 +65,23 @@ fn by_itself(order: &Order, (block, group): Group) -> When {
 }
 
 /// A loop is evaluated as a whole: whenever one of its members is. Those of a sample time stay as they are.
-fn unify(groups: &[Group], when: &mut HashMap<Group, When>) {
-    let of = |group: &(usize, usize)| when.get(group).copied().unwrap_or(When::Constant);
+fn unify(order: &Order, groups: &[Group], when: &mut [Option<When>]) {
+    let of = |group: &Group| when[order.number(*group)].unwrap_or(When::Constant);
     let found: Vec<When> = groups.iter().map(of).collect();
     if found.iter().any(|when| matches!(when, When::Sampled(_))) {
         return;
     }
     let latest = [When::Continuous, When::Major].into_iter().find(|when| found.contains(when));
-    when.extend(groups.iter().map(|group| (*group, latest.unwrap_or(When::Constant))));
+    let latest = latest.unwrap_or(When::Constant);
+    groups.iter().for_each(|group| when[order.number(*group)] = Some(latest));
 }
 
 /// Blocks whose guards can cross zero between major steps: they have states, look at time, or at something that changes.
-pub(super) fn watched(
-    order: &Order,
-    when: &HashMap<Group, When>,
-    rates: &HashMap<usize, usize>,
-) -> Vec<bool> {
+pub(super) fn watched(order: &Order, when: &[When], rates: &HashMap<usize, usize>) -> Vec<bool> {
     let interfaces = order.typed.interfaces.iter().enumerate();
     interfaces
         .map(|(block, interface)| {
-            let changes = |group: &Group| when.get(group) == Some(&When::Continuous);
+            let changes = |group: &Group| when[order.number(*group)] == When::Continuous;
             if interface.guards.is_empty() {
                 return false;
             }
@@ -106,13 +103,9 @@ fn sources<'a>(order: &'a Order, block: usize) -> impl Iterator<Item = Group> + 
     connected.flat_map(|source| order.writers(source.block, source.output))
 }
 
-/// Groups that change between major steps and that derivatives, guards or memories depend on.
-pub(super) fn needed_in_minor_steps(
-    order: &Order,
-    when: &HashMap<Group, When>,
-    watched: &[bool],
-) -> HashSet<Group> {
-    let mut needed: HashSet<Group> = HashSet::new();
+/// Which groups, by their numbers, change between major steps while derivatives, guards or memories depend on them.
+pub(super) fn needed_in_minor_steps(order: &Order, when: &[When], watched: &[bool]) -> Vec<bool> {
+    let mut needed = vec![false; order.graph.node_count()];
     let mut stack: Vec<Group> = Vec::new();
     for (block, interface) in order.typed.interfaces.iter().enumerate() {
         match &order.laws.blocks[block].law {
@@ -130,8 +123,9 @@ pub(super) fn needed_in_minor_steps(
     }
     while let Some(next) = stack.pop() {
         // What is held between major steps hides what it was made of.
-        if when.get(&next) == Some(&When::Continuous) && needed.insert(next) {
-            stack.extend(order.reads(next.0, next.1).into_iter().map(|(from, _)| from));
+        let number = order.number(next);
+        if when[number] == When::Continuous && !std::mem::replace(&mut needed[number], true) {
+            stack.extend(order.read(next));
             let constraint = order.typed.interfaces[next.0].constraint.as_ref();
             let rest = constraint.filter(|constraint| constraint.group == next.1);
             stack.extend(rest.map(|constraint| (next.0, constraint.rest)));
