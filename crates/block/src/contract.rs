@@ -32,7 +32,8 @@ pub trait Block: Any + Debug + Send + Sync {
         Ok(())
     }
 
-    /// Says where the block is in the model, `control/noise`: once, behind `load`.
+    /// Says where the block is in the model, `control/noise`: once, behind `load`. Where that makes a difference, `Debug` has to show it:
+    /// blocks that are written alike are one otherwise.
     fn place(&mut self, _path: &str) {}
 
     /// Ports, states and dependencies, from the parameters and from what is known of the inputs. Called several

@@ -1,5 +1,7 @@
 //! What a block is told about its surroundings when it states its interface.
 
+use std::sync::Arc;
+
 use blocksim_signal::{Dimension, Kind, Shape};
 
 use crate::{InterfaceError, PortType};
@@ -39,7 +41,7 @@ impl ParamUnits {
 pub struct Given {
     inputs: Vec<(String, PortType)>,
     /// Units of the parameters as written.
-    pub parameters: ParamUnits,
+    pub parameters: Arc<ParamUnits>,
 }
 
 impl Given {
@@ -50,6 +52,11 @@ impl Given {
 
     /// From types of inputs by name.
     pub fn new(inputs: Vec<(String, PortType)>, parameters: ParamUnits) -> Self {
+        Self::sharing(inputs, Arc::new(parameters))
+    }
+
+    /// The same, with units that others have in common.
+    pub fn sharing(inputs: Vec<(String, PortType)>, parameters: Arc<ParamUnits>) -> Self {
         Self { inputs, parameters }
     }
 

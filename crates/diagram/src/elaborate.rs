@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use blocksim_block::Given;
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::BlockPart;
-use blocksim_block::{Given, ParamUnits};
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
 use blocksim_scene::Scene;
 use foldhash::HashSet;
@@ -95,9 +95,9 @@ pub(crate) fn elaborate<'a>(
                 .collect(),
             output_names: interface.outputs.iter().map(|output| output.name.clone()).collect(),
             block: Arc::new(network),
-            units: ParamUnits::default(),
+            units: Arc::default(),
             plain: false,
-            interface,
+            interface: Arc::new(interface),
             inputs: members.iter().flat_map(|m| &m.inputs).map(|source| source.as_ref().map(moved)).collect(),
         });
     }
@@ -180,7 +180,7 @@ fn build(
         .iter()
         .filter_map(|index| {
             let block = &flat.blocks[*index];
-            let mut part = block.block.component()?.part(&Given::new(Vec::new(), block.units.clone()));
+            let mut part = block.block.component()?.part(&Given::sharing(Vec::new(), block.units.clone()));
             let wired = |input: usize| block.inputs.get(input).is_some_and(Option::is_some);
             part.rates |= part.rate_input.is_some_and(wired);
             // The sizes of a network are fixed before shapes are inferred.

@@ -1,8 +1,11 @@
 //! Shapes, kinds and units of all signals.
 
+use std::sync::Arc;
+
 use blocksim_block::problem::{Place, Problem};
 use blocksim_block::{Given, Interface, InterfaceError, MOST_MEMORY, PortType};
 use blocksim_signal::{Dimension, Kind};
+use foldhash::HashMap;
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
@@ -13,7 +16,7 @@ use crate::problems::{Problems, a};
 #[derive(Debug, Clone, Default)]
 pub struct Typed {
     /// In the order of the flat list.
-    pub interfaces: Vec<Interface>,
+    pub interfaces: Vec<Arc<Interface>>,
 }
 
 impl Typed {
@@ -27,7 +30,7 @@ impl Typed {
         let inputs = block.interface.inputs.iter().zip(&block.inputs);
         let known =
             inputs.filter_map(|(input, source)| Some((input.name.clone(), self.of(source.as_ref()?))));
-        Given::new(known.collect(), block.units.clone())
+        Given::sharing(known.collect(), block.units.clone())
     }
 }
 
@@ -43,31 +46,26 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
     let mut errors: Vec<Option<InterfaceError>> = vec![None; flat.blocks.len()];
     let (order, readers) = downstream(flat);
     let mut waiting = vec![true; flat.blocks.len()];
-    let mut room = Room { used: typed.interfaces.iter().map(memory).sum() };
+    let mut room = Room { used: typed.interfaces.iter().map(|interface| memory(interface)).sum() };
+    let mut answers = Answers::default();
+    let mut types = Vec::new();
     for _ in 0..flat.blocks.len() + 2 {
         for index in order.iter().copied() {
             if !std::mem::replace(&mut waiting[index], false) {
                 continue;
             }
             let block = &flat.blocks[index];
-            let given = block
-                .interface
-                .inputs
-                .iter()
-                .zip(&block.inputs)
-                .filter_map(|(input, source)| source.as_ref().map(|source| (input, source)))
-                .filter(|(_, source)| known[source.block])
-                .map(|(input, source)| (input.name.clone(), typed.of(source)))
-                .collect();
+            types.clear();
+            let sources =
+                block.inputs.iter().map(|source| source.as_ref().filter(|source| known[source.block]));
+            types.extend(sources.map(|source| source.map(|source| typed.of(source))));
             let mut changed = !std::mem::replace(&mut known[index], true);
-            let asked = block.block.interface(&Given::new(given, block.units.clone()));
+            let asked = answers.ask(block, &types);
             match asked.and_then(|interface| room.take(&typed.interfaces[index], interface)) {
-                Ok(mut interface) => {
-                    if block.plain {
-                        settle(&mut interface);
-                    }
+                Ok(interface) => {
                     errors[index] = None;
-                    changed |= interface != typed.interfaces[index];
+                    let before = &typed.interfaces[index];
+                    changed = changed || !Arc::ptr_eq(&interface, before) && interface != *before;
                     typed.interfaces[index] = interface;
                 }
                 Err(error) => errors[index] = Some(error),
@@ -80,6 +78,7 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
             break;
         }
     }
+    drop(answers);
     for (index, error) in errors.into_iter().enumerate() {
         if let Some(error) = error {
             problems.push(disagreement(flat, index, error));
@@ -95,8 +94,47 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
     for declared in &flat.declared {
         declared_unit(flat, declared, typed.of(&declared.source), problems);
     }
-    typed.interfaces.iter_mut().for_each(settle);
+    settle_all(&mut typed.interfaces);
     typed
+}
+
+/// An interface, and the types of the inputs that it is for.
+type Answer = (Vec<Option<PortType>>, Arc<Interface>);
+
+/// Most answers of a block that are kept.
+const MOST_ANSWERS: usize = 8;
+
+/// What blocks have answered: one that stands for several is asked once for the same types of inputs.
+#[derive(Default)]
+struct Answers {
+    known: HashMap<*const (), Vec<Answer>>,
+}
+
+impl Answers {
+    /// The interface of a block whose inputs have these types, as far as they are known.
+    fn ask(
+        &mut self,
+        block: &FlatBlock,
+        types: &[Option<PortType>],
+    ) -> Result<Arc<Interface>, InterfaceError> {
+        let of_block = self.known.entry(Arc::as_ptr(&block.block).cast()).or_default();
+        if let Some((_, interface)) = of_block.iter().find(|(known, _)| known == types) {
+            return Ok(Arc::clone(interface));
+        }
+        let named = block.interface.inputs.iter().zip(types);
+        let named = named.filter_map(|(input, port_type)| Some((input.name.clone(), (*port_type)?)));
+        let mut interface = block.block.interface(&Given::sharing(named.collect(), block.units.clone()))?;
+        if block.plain {
+            settle(&mut interface);
+        }
+        let interface = Arc::new(interface);
+        // Where types are many, hardly any comes twice.
+        if of_block.len() == MOST_ANSWERS {
+            of_block.clear();
+        }
+        of_block.push((types.to_vec(), Arc::clone(&interface)));
+        Ok(interface)
+    }
 }
 
 /// Most elements of a signal.
@@ -110,7 +148,7 @@ struct Room {
 impl Room {
     /// The interface `new` in the place of `old`, if its signals and memories are not too large: lengths multiply from block to
     /// block, so a short text may ask for any number.
-    fn take(&mut self, old: &Interface, new: Interface) -> Result<Interface, InterfaceError> {
+    fn take(&mut self, old: &Interface, new: Arc<Interface>) -> Result<Arc<Interface>, InterfaceError> {
         let too_large = |message: String| {
             let help = Some("make signals of fewer elements, or delay fewer samples".to_owned());
             Err(InterfaceError { code: "too_large", ports: Vec::new(), message, help })
@@ -139,6 +177,31 @@ fn settle(interface: &mut Interface) {
     let inputs = interface.inputs.iter_mut().map(|input| &mut input.dimension);
     let outputs = interface.outputs.iter_mut().map(|output| &mut output.port_type.dimension);
     inputs.chain(outputs).for_each(|dimension| *dimension = dimension.and_then(Dimension::settled));
+}
+
+/// The same for all blocks, of which many have one interface in common.
+fn settle_all(interfaces: &mut [Arc<Interface>]) {
+    // Those that were are kept, so that no other one comes to lie where they are.
+    let mut settled: HashMap<*const Interface, [Arc<Interface>; 2]> = HashMap::default();
+    for interface in interfaces.iter_mut().filter(|interface| !is_settled(interface)) {
+        match Arc::get_mut(interface) {
+            Some(own) => settle(own),
+            None => {
+                let both = settled.entry(Arc::as_ptr(interface)).or_insert_with(|| {
+                    let mut new = Interface::clone(interface);
+                    settle(&mut new);
+                    [Arc::clone(interface), Arc::new(new)]
+                });
+                *interface = Arc::clone(&both[1]);
+            }
+        }
+    }
+}
+
+fn is_settled(interface: &Interface) -> bool {
+    let inputs = interface.inputs.iter().map(|input| input.dimension);
+    let outputs = interface.outputs.iter().map(|output| output.port_type.dimension);
+    inputs.chain(outputs).flatten().all(|dimension| dimension.settled() == Some(dimension))
 }
 
 /// Blocks in the order in which signals travel, those of a loop by their index; and the blocks that read each block.
@@ -214,8 +277,10 @@ fn check(
 ) {
     let block = &flat.blocks[index];
     let from = &flat.blocks[source.block].output_names[source.output];
-    let to =
-        if block.kind == "Network" { input.name.clone() } else { format!("{}.{}", block.path, input.name) };
+    let to = || match block.kind == "Network" {
+        true => input.name.clone(),
+        false => format!("{}.{}", block.path, input.name),
+    };
     let (a, b): (&Place, &Place) = (&source.place, &source.target);
     if let Some(kind) = input.kind {
         let fits = kind == found.kind || (kind == Kind::Real && found.kind == Kind::Int);
@@ -228,7 +293,7 @@ fn check(
             problems.push(
                 Problem::error(
                     "type_mismatch",
-                    format!("`{to}` takes a {kind} signal, but `{from}` is {}", found.kind),
+                    format!("`{}` takes a {kind} signal, but `{from}` is {}", to(), found.kind),
                 )
                 .at(a, format!("{}", found.kind))
                 .at(b, format!("takes {kind}"))
@@ -246,7 +311,7 @@ fn check(
         problems.push(
             Problem::error(
                 "type_mismatch",
-                format!("`{to}` takes a {shape}, but `{from}` is a {}", found.shape),
+                format!("`{}` takes a {shape}, but `{from}` is a {}", to(), found.shape),
             )
             .at(a, format!("a {}", found.shape))
             .at(b, format!("takes a {shape}"))
@@ -258,7 +323,7 @@ fn check(
     {
         let has = if dimension.is_none() { "has no unit".to_owned() } else { format!("is in {dimension}") };
         problems.push(
-            Problem::error("unit_mismatch", format!("`{to}` is in {wanted}, but `{from}` {has}"))
+            Problem::error("unit_mismatch", format!("`{}` is in {wanted}, but `{from}` {has}", to()))
                 .at(a, has)
                 .at(b, format!("takes {wanted}"))
                 .help(format!(

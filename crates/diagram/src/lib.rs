@@ -227,7 +227,7 @@ pub fn compile_and_keep(sources: &Sources, root: &Path, options: &Options) -> (O
                     compiled.stages.types = Some(emit::types(&flat, &typed));
                 }
                 if !problems.any_error() {
-                    compiled.schedule = sort::sort(title, &flat, typed, settings, &mut problems);
+                    compiled.schedule = sort::sort(title, flat, typed, settings, &mut problems);
                     if let Some(schedule) = &mut compiled.schedule {
                         rates::assign(&model.ast, &rates, &mut schedule.recorded);
                         settings::start::resolve(&model.ast, schedule, &mut problems);

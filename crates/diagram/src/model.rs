@@ -56,16 +56,16 @@ pub struct VariantChoice {
 /// What a block of a model is.
 #[derive(Debug, Clone)]
 pub enum Content {
-    /// A block of the library or of a plug-in.
+    /// A block of the library or of a plug-in. Blocks that are written alike have all of it in common.
     Block {
         /// Parameters and functions.
         block: Arc<dyn Block>,
         /// Units of the parameters as written.
-        units: ParamUnits,
+        units: Arc<ParamUnits>,
         /// Numbers of the parameters in SI by name, at most a few of each.
-        numbers: Vec<(String, Vec<f64>)>,
+        numbers: Arc<Vec<(String, Vec<f64>)>>,
         /// Ports, as far as they do not depend on the inputs.
-        interface: Box<Interface>,
+        interface: Arc<Interface>,
         /// Whether bare numbers of it have no unit, rather than an open one.
         plain: bool,
     },

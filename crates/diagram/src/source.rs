@@ -162,12 +162,18 @@ pub(crate) struct BlockFiles<'a> {
     sources: &'a Sources<'a>,
     folder: PathBuf,
     warnings: RefCell<Vec<LoadError>>,
+    asked: Cell<bool>,
 }
 
 impl<'a> BlockFiles<'a> {
     /// Files beside this one.
     pub fn beside(sources: &'a Sources<'a>, file: FileId) -> Self {
-        Self { sources, folder: sources.folder(file), warnings: RefCell::default() }
+        Self { sources, folder: sources.folder(file), warnings: RefCell::default(), asked: Cell::default() }
+    }
+
+    /// Whether blocks wanted to know anything of files.
+    pub fn were_asked(&self) -> bool {
+        self.asked.get() || !self.warnings.borrow().is_empty()
     }
 
     /// What blocks have reported about files.
@@ -178,15 +184,18 @@ impl<'a> BlockFiles<'a> {
 
 impl Files for BlockFiles<'_> {
     fn read(&self, path: &str) -> Result<String, String> {
+        self.asked.set(true);
         let id = self.sources.open(&self.folder.join(path))?;
         Ok(self.sources.file(id).text.to_string())
     }
 
     fn folder(&self) -> &Path {
+        self.asked.set(true);
         &self.folder
     }
 
     fn code(&self) -> &dyn CodePolicy {
+        self.asked.set(true);
         self.sources.reader.code()
     }
 

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use blocksim_block::problem::FileId;
-use blocksim_block::{Block, Given, Input, Interface, InterfaceError, Output, ParamUnits};
+use blocksim_block::{Block, Given, Input, Interface, InterfaceError, Output};
 use blocksim_signal::{SampleTime, Shape as SignalShape};
 
 use crate::ast::{Ast, BlockAst, parse};
@@ -75,9 +75,9 @@ fn toy(ast: &Ast, block: &BlockAst) -> ModelBlock {
         variant: None,
         content: Content::Block {
             block: Arc::new(built),
-            units: ParamUnits::default(),
-            numbers: Vec::new(),
-            interface: Box::new(interface),
+            units: Arc::default(),
+            numbers: Arc::default(),
+            interface: Arc::new(interface),
             plain: false,
         },
     }

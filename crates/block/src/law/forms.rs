@@ -184,3 +184,70 @@ impl Known {
         program.outputs.clone_from(&self.outputs);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Input, InterfaceError, Output};
+
+    /// `y = between 0 and a of (a - b) * u / c`, and a state that runs down.
+    #[derive(Debug)]
+    struct Toy([f64; 3]);
+
+    impl Block for Toy {
+        fn interface(&self, _given: &crate::Given) -> Result<Interface, InterfaceError> {
+            Ok(Interface::new().input(Input::real("u")).output(Output::real("y")).state("x", self.0[0]))
+        }
+
+        fn law(&self, l: &Recording) -> bool {
+            let [a, b, c] = self.0;
+            let difference = if self.0.contains(&9.0) { l.constant(a) - b } else { l.u(0) - b };
+            l.set(0, 0, (difference * l.u(0) / (l.u(0) + c)).clamp(l.constant(0.0), l.constant(a)));
+            l.derive(0, -b * l.x()[0]);
+            true
+        }
+    }
+
+    #[test]
+    fn a_law_of_a_known_form_is_what_it_would_be_by_itself() {
+        let mut forms = Forms::default();
+        let numbers = [
+            [1.0, 2.0, 3.0],
+            [4.0, 5.0, 6.0],
+            // Equal numbers are one constant, which is another form.
+            [4.0, 4.0, 6.0],
+            [7.0, 7.0, 8.0],
+            [0.0, 1.0, 2.0],
+            [-0.0, 1.0, 2.0],
+            [f64::NAN, 1.0, 2.0],
+            // What is computed from constants counts as what it is.
+            [9.0, 2.0, 3.0],
+            [9.0, 4.0, 3.0],
+            [9.0, 2.0, 3.0],
+        ];
+        for numbers in numbers {
+            let block: Arc<dyn Block> = Arc::new(Toy(numbers));
+            let interface = block.interface(&crate::Given::nothing()).expect("an interface");
+            let spans = [(0, 1)];
+            let record = |forms: &mut Forms| {
+                forms.record(&block, &interface, &spans, &spans).expect("a law that is right").expect("a law")
+            };
+            let (law, alone) = (record(&mut forms), record(&mut Forms::default()));
+            // Numbers that are none are compared by their bits.
+            assert_eq!(
+                format!("{:?}", law.program.instructions),
+                format!("{:?}", alone.program.instructions)
+            );
+            assert_eq!(law.program.requirements, alone.program.requirements);
+            assert_eq!(law.program.outputs, alone.program.outputs);
+            assert_eq!(law.program.states[0].initial.to_bits(), numbers[0].to_bits());
+            assert_eq!(format!("{:?}", law.of_outputs), format!("{:?}", alone.of_outputs));
+            assert_eq!((&law.outputs, &law.derivatives), (&alone.outputs, &alone.derivatives));
+        }
+        assert_eq!(
+            forms.known.len(),
+            5,
+            "two with three numbers, those with equal ones, zero, and two fixed"
+        );
+    }
+}

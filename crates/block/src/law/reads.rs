@@ -132,6 +132,12 @@ impl BlockLaw {
     /// they read, where modes are chosen, and whether anything changes with time alone.
     #[must_use]
     pub fn complete(&self, mut interface: Interface) -> Interface {
+        self.complete_in(&mut interface);
+        interface
+    }
+
+    /// The same where the interface lies.
+    pub fn complete_in(&self, interface: &mut Interface) {
         if interface.constraint.is_none() {
             interface.group_of.clone_from(&self.groups.of);
             interface.groups.clone_from(&self.groups.reads);
@@ -144,7 +150,6 @@ impl BlockLaw {
             interface.settling = Some(chosen.filter(|(_, all)| !all.is_empty()).map(|(k, _)| k).collect());
             interface.before.clone_from(&self.groups.before);
         }
-        interface
     }
 }
 

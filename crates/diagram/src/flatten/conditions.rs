@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use blocksim_block::problem::Problem;
-use blocksim_block::{Block, Given, ParamUnits};
+use blocksim_block::{Block, Given};
 use blocksim_signal::SampleTime;
 use foldhash::HashMap;
 
@@ -179,9 +179,9 @@ impl<'m> View<'m> {
         let sources: Vec<_> =
             asked.iter().map(|(own, subsystem)| Some(self.asks(gates[own], subsystem))).collect();
         let merger = Merger::new(Arc::clone(&block.block), merging, paths);
-        match merger.interface(&Given::new(Vec::new(), block.units.clone())) {
-            Ok(interface) => block.interface = interface,
-            Err(_) => block.interface.inputs.extend(sources.iter().map(|_| gate_input())),
+        match merger.interface(&Given::sharing(Vec::new(), block.units.clone())) {
+            Ok(interface) => block.interface = Arc::new(interface),
+            Err(_) => Arc::make_mut(&mut block.interface).inputs.extend(sources.iter().map(|_| gate_input())),
         }
         block.inputs.extend(sources);
         block.block = Arc::new(merger);
@@ -229,9 +229,9 @@ impl<'m> View<'m> {
             around.iter().any(|condition| condition.pauses()),
         );
         // An interface that is refused is reported when types are inferred.
-        match wrapped.interface(&Given::new(Vec::new(), block.units.clone())) {
-            Ok(interface) => block.interface = interface,
-            Err(_) => block.interface.inputs.push(gate_input()),
+        match wrapped.interface(&Given::sharing(Vec::new(), block.units.clone())) {
+            Ok(interface) => block.interface = Arc::new(interface),
+            Err(_) => Arc::make_mut(&mut block.interface).inputs.push(gate_input()),
         }
         block.block = Arc::new(wrapped);
         block.inputs.push(Some(self.asks(gates[&innermost], subsystem)));
@@ -312,9 +312,9 @@ impl<'m> View<'m> {
             title: Vec::new(),
             place: Some(subsystem.place.clone()),
             parts: Vec::new(),
-            units: ParamUnits::default(),
+            units: Arc::default(),
             plain: false,
-            interface: block.interface(&Given::nothing()).unwrap_or_default(),
+            interface: Arc::new(block.interface(&Given::nothing()).unwrap_or_default()),
             block,
             inputs,
         }

@@ -62,11 +62,11 @@ pub struct FlatBlock {
     /// Parameters and functions.
     pub block: Arc<dyn Block>,
     /// Units of the parameters as written.
-    pub units: ParamUnits,
+    pub units: Arc<ParamUnits>,
     /// Whether bare numbers of it have no unit, rather than an open one.
     pub plain: bool,
     /// Ports, as far as they are known.
-    pub interface: Interface,
+    pub interface: Arc<Interface>,
     /// Where each input comes from; `None` when it is not connected.
     pub inputs: Vec<Option<Source>>,
     /// Names of the outputs as signals: path and port.
@@ -95,10 +95,11 @@ pub(crate) fn flatten(model: &Model, also: &[(String, Place)], problems: &mut Pr
     found.sort_by(|(_, a), (_, b)| a.path.cmp(&b.path));
     let executed: Vec<&(usize, &ModelBlock)> = found.iter().filter(|(_, block)| executed(block)).collect();
     for (index, (level, block)) in executed.iter().enumerate() {
-        view.index.insert((*level, block.name.clone()), index);
+        view.index.insert((*level, block.name.as_str()), index);
     }
     let levels: Vec<usize> = executed.iter().map(|(level, _)| *level).collect();
     let conditions = view.conditions(&levels, problems);
+    flat.blocks.reserve(executed.len());
     for (level, block) in executed {
         let Content::Block { block: built, units, interface, plain, .. } = &block.content else { continue };
         let mut inputs = Vec::new();
@@ -114,7 +115,7 @@ pub(crate) fn flatten(model: &Model, also: &[(String, Place)], problems: &mut Pr
             block: built.clone(),
             units: units.clone(),
             plain: *plain,
-            interface: (**interface).clone(),
+            interface: interface.clone(),
             inputs,
             output_names: interface
                 .outputs

@@ -19,9 +19,7 @@ impl View<'_> {
                 let inner_level = self.inside.get(&(level, block.to_owned()))?;
                 self.terminal(*inner_level, &inside.block, &inside.port)
             }
-            Content::Block { .. } => {
-                self.index.get(&(level, block.to_owned())).map(|index| (*index, port.to_owned()))
-            }
+            Content::Block { .. } => self.index.get(&(level, block)).map(|index| (*index, port.to_owned())),
             Content::Unknown => None,
         }
     }

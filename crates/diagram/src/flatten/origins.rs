@@ -16,7 +16,7 @@ pub fn origins(model: &Model) -> BTreeMap<String, String> {
     view.add(model, None, &mut found);
     for (at, (level, block)) in found.iter().enumerate() {
         if executed(block) {
-            view.index.insert((*level, block.name.clone()), at);
+            view.index.insert((*level, block.name.as_str()), at);
         }
     }
     let mut names = BTreeMap::new();

@@ -28,7 +28,7 @@ pub(super) struct View<'m> {
     /// Level inside a subsystem: outer level and name.
     pub inside: HashMap<(usize, String), usize>,
     /// Index in the flat list.
-    pub index: HashMap<(usize, String), usize>,
+    pub index: HashMap<(usize, &'m str), usize>,
     /// Outputs of conditional subsystems that have a block of their own: level inside and name, index in the flat list.
     pub outlets: HashMap<(usize, String), usize>,
 }
@@ -248,7 +248,7 @@ impl<'m> View<'m> {
             .help("connect the signal itself"));
         }
         let output = interface.outputs.iter().position(|output| output.name == port);
-        match (self.index.get(&(level, block.to_owned())), output) {
+        match (self.index.get(&(level, block)), output) {
             (Some(block), Some(output)) => Ok(Tree::Leaf { block: *block, output }),
             _ => Ok(Tree::Unknown),
         }

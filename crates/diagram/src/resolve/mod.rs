@@ -1,5 +1,6 @@
 //! From written diagrams to blocks: kinds are looked up, parameters computed, subsystems and variants built.
 
+mod alike;
 mod condition;
 mod hierarchy;
 mod names;
@@ -22,6 +23,7 @@ use crate::overrides::Override;
 use crate::problems::Problems;
 use crate::scope::{Evaluation, Scope, read_tree};
 use crate::source::Sources;
+use alike::Alike;
 use blocksim_syntax::{Name, Node};
 
 pub use hierarchy::HIERARCHY;
@@ -63,6 +65,8 @@ pub(crate) struct Resolver<'a> {
     /// Whether a bare number has no unit, rather than an open one.
     pub strict: bool,
     asts: RefCell<HashMap<FileId, Option<Rc<Ast>>>>,
+    /// What became of blocks, for those that are written alike.
+    alike: RefCell<Alike<'a>>,
     /// Names that nothing has, so far.
     unknown: Cell<usize>,
     /// Blocks and what they remember, so far.
@@ -82,6 +86,7 @@ impl<'a> Resolver<'a> {
             sources,
             overrides,
             problems: RefCell::default(),
+            alike: RefCell::default(),
             unknown: Cell::default(),
             blocks: Cell::default(),
             memory: Cell::default(),

@@ -10,6 +10,7 @@ use blocksim_signal::Unit;
 use serde::Deserialize;
 
 use super::Resolver;
+use super::alike::Became;
 use crate::ast::{Ast, BlockAst};
 use crate::de::{Numbers, Reading, Tagged, Written};
 use crate::model::Content;
@@ -30,6 +31,12 @@ impl<'a> Resolver<'a> {
             self.unknown_kind(ast, &block.kind);
             return Content::Unknown;
         };
+        // Where somebody asks what names mean, each is to be told; what is replaced stands for one block alone.
+        let is_one_of_many = self.overrides.is_empty() && !self.sources.log.is_on();
+        let known = self.alike.borrow().of(block, ast.file, scope).filter(|_| is_one_of_many).cloned();
+        if let Some(Became::Same(content)) = known {
+            return self.with_room(ast, block, content);
+        }
         let parameters = self.block_overrides(block, info, (ast.file, scope), path);
         let names_fit = self.names_fit(ast, block, info, &parameters);
         // A wrong name does not hide what is wrong with the values of others; one that stands twice has been reported.
@@ -63,12 +70,16 @@ impl<'a> Resolver<'a> {
         let is_right = errors.is_empty();
         errors.into_iter().for_each(|error| self.report(places.refused(error)));
         let Some(mut built) = built.filter(|_| is_read && is_right) else { return Content::Unknown };
-        for problem in reading.bare.take() {
+        let bare = reading.bare.take();
+        let mut is_own = !bare.is_empty();
+        for problem in bare {
             self.report(problem.note(format!("in block `{path}` ({})", block.kind.text)));
         }
         let (units, numbers) = (reading.units.take(), reading.numbers.take());
         let files = BlockFiles::beside(self.sources, ast.file);
         let loaded = built.load(&files);
+        // What is in files is not compared, and plug-ins that die are found by where their blocks lie.
+        is_own |= files.were_asked();
         for warning in files.warnings() {
             let problem = Problem::warning(warning.code, warning.message).at(&places.of(warning.param), "");
             self.report(with_help(problem, warning.help));
@@ -78,9 +89,37 @@ impl<'a> Resolver<'a> {
             self.report(with_help(problem, error.help));
             return Content::Unknown;
         }
+        // The second one of those that are written alike tells whether its place makes a difference.
+        let text = matches!(known, Some(Became::One)).then(|| format!("{built:?}"));
         built.place(path);
+        is_own |= text.as_ref().is_some_and(|text| *text != format!("{built:?}"));
         let plain = self.strict && reading.has_open.get();
-        self.interface(ast, block, Arc::from(built), (units, numbers, plain))
+        let content = self.interface(ast, block, Arc::from(built), (units, numbers, plain));
+        if is_one_of_many && let Content::Block { .. } = content {
+            let became = match known {
+                Some(Became::Each) => return content,
+                _ if is_own => Became::Each,
+                Some(_) => Became::Same(content.clone()),
+                None => Became::One,
+            };
+            self.alike.borrow_mut().note(node, ast.file, scope, became);
+        }
+        content
+    }
+
+    /// What a block is, unless there is no room for what it remembers.
+    fn with_room(&self, ast: &Ast, block: &BlockAst, content: Content) -> Content {
+        if let Content::Block { interface, .. } = &content
+            && !self.has_room_for(interface)
+        {
+            self.report(
+                Problem::error("too_large", format!("this model remembers more than {MOST_MEMORY} numbers"))
+                    .at(&ast.place(&block.span), "there is no room for this block")
+                    .help("delay fewer samples, or make the model of fewer blocks"),
+            );
+            return Content::Unknown;
+        }
+        content
     }
 
     fn interface(
@@ -90,20 +129,11 @@ impl<'a> Resolver<'a> {
         built: Arc<dyn Block>,
         (units, numbers, plain): (ParamUnits, Numbers, bool),
     ) -> Content {
-        match built.interface(&Given::new(Vec::new(), units.clone())) {
-            Ok(interface) if !self.has_room_for(&interface) => {
-                self.report(
-                    Problem::error(
-                        "too_large",
-                        format!("this model remembers more than {MOST_MEMORY} numbers"),
-                    )
-                    .at(&ast.place(&block.span), "there is no room for this block")
-                    .help("delay fewer samples, or make the model of fewer blocks"),
-                );
-                Content::Unknown
-            }
+        let units = Arc::new(units);
+        match built.interface(&Given::sharing(Vec::new(), Arc::clone(&units))) {
             Ok(interface) => {
-                Content::Block { block: built, units, numbers, interface: Box::new(interface), plain }
+                let (numbers, interface) = (Arc::new(numbers), Arc::new(interface));
+                self.with_room(ast, block, Content::Block { block: built, units, numbers, interface, plain })
             }
             Err(error) => {
                 let problem = Problem::error(error.code, error.message).at(&ast.place(&block.span), "");

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use blocksim_block::law::{BlockLaw, Forms, ValueGroup};
 use blocksim_block::problem::Problem;
 use blocksim_block::{Block, Interface};
+use foldhash::HashMap;
 
 use crate::condition::Conditional;
 use crate::flatten::{Flat, FlatBlock};
@@ -46,7 +47,7 @@ impl Laws {
     /// Has all blocks record their laws that can, and completes their interfaces by them. Those of conditional subsystems run the laws
     /// of the blocks within them.
     pub fn record(flat: &Flat, typed: &mut Typed, problems: &mut Problems) -> Self {
-        let mut forms = Forms::default();
+        let mut shared = Shared::default();
         let blocks = flat.blocks.iter().enumerate();
         let known = blocks.map(|(number, block)| {
             let (inputs, outputs) = spans(typed, number, block);
@@ -59,20 +60,13 @@ impl Laws {
                             run = Arc::new(block);
                             // Types are known already.
                             let Interface { inputs, outputs, .. } =
-                                std::mem::take(&mut typed.interfaces[number]);
-                            typed.interfaces[number] = Interface { inputs, outputs, ..interface };
+                                Interface::clone(&typed.interfaces[number]);
+                            typed.interfaces[number] = Arc::new(Interface { inputs, outputs, ..interface });
                         }
                         None
                     })
                 }
-                None => {
-                    let interface = &mut typed.interfaces[number];
-                    let law = forms.record(&block.block, interface, &inputs, &outputs);
-                    if let Ok(Some(law)) = &law {
-                        *interface = law.complete(std::mem::take(interface));
-                    }
-                    law
-                }
+                None => shared.record(&block.block, &mut typed.interfaces[number], &inputs, &outputs),
             };
             let law = recorded.unwrap_or_else(|wrong| {
                 let message = format!("the law of the kind {} is wrong: {wrong}", block.kind);
@@ -81,7 +75,7 @@ impl Laws {
                 problems.push(block.place.iter().fold(problem, |problem, place| problem.at(place, "")));
                 None
             });
-            Known { block: run, law: law.map(Arc::new), inputs, outputs }
+            Known { block: run, law, inputs, outputs }
         });
         Self { blocks: known.collect() }
     }
@@ -95,6 +89,51 @@ impl Laws {
                 known.law = Some(Arc::new(law));
             }
         }
+    }
+}
+
+/// Laws that were recorded, of which those of blocks that are one are one as well.
+#[derive(Default)]
+struct Shared {
+    forms: Forms,
+    /// By the block and its interface.
+    known: HashMap<(*const (), *const Interface), Law>,
+}
+
+/// A law and what follows from it.
+struct Law {
+    law: Option<Arc<BlockLaw>>,
+    inputs: Spans,
+    /// The interface of the block, and the same completed. The first is kept so that no other one comes to lie where it is.
+    _before: Arc<Interface>,
+    completed: Arc<Interface>,
+}
+
+impl Shared {
+    /// The law of a block whose ports lie so; completes its interface.
+    fn record(
+        &mut self,
+        block: &Arc<dyn Block>,
+        interface: &mut Arc<Interface>,
+        inputs: &Spans,
+        outputs: &Spans,
+    ) -> Result<Option<Arc<BlockLaw>>, String> {
+        let key = (Arc::as_ptr(block).cast(), Arc::as_ptr(interface));
+        let is_shared = Arc::strong_count(interface) > 1;
+        if let Some(known) = self.known.get(&key).filter(|known| known.inputs == *inputs) {
+            *interface = Arc::clone(&known.completed);
+            return Ok(known.law.clone());
+        }
+        let law = self.forms.record(block, interface, inputs, outputs)?.map(Arc::new);
+        let before = is_shared.then(|| Arc::clone(interface));
+        if let Some(law) = &law {
+            law.complete_in(Arc::make_mut(interface));
+        }
+        if let Some(before) = before {
+            let (inputs, completed) = (inputs.clone(), Arc::clone(interface));
+            self.known.insert(key, Law { law: law.clone(), inputs, _before: before, completed });
+        }
+        Ok(law)
     }
 }
 

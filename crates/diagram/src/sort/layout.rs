@@ -1,5 +1,6 @@
 //! Where every value lies: signals, inputs, states, memories, guards and what is recorded.
 
+use blocksim_block::Interface;
 use blocksim_block::schedule::{
     Clock, Instance, Keep, Loop, Recorded, Schedule, Settings, Signal, Step, When,
 };
@@ -9,6 +10,7 @@ use super::order::{Group, Order, Sorted};
 use super::when::{needed_in_minor_steps, watched};
 use crate::flatten::Source;
 
+/// The schedule, but for names, places and interfaces, see [`hand_over`](super::hand_over).
 pub(super) fn lay_out(
     title: String,
     order: &Order,
@@ -22,15 +24,15 @@ pub(super) fn lay_out(
     let watched = watched(order, when, rates);
     let needed = needed_in_minor_steps(order, when, &watched);
 
-    let mut signals = Vec::new();
-    let mut first_signal = Vec::new();
+    let mut signals = Vec::with_capacity(flat.blocks.len());
+    let mut first_signal = Vec::with_capacity(flat.blocks.len());
     let mut cells = 0;
     for (block, interface) in flat.blocks.iter().zip(&typed.interfaces) {
         first_signal.push((signals.len(), cells));
-        for (output, path) in interface.outputs.iter().zip(&block.output_names) {
+        for (output, _) in interface.outputs.iter().zip(&block.output_names) {
             let port_type = output.port_type;
             signals.push(Signal {
-                path: path.clone(),
+                path: String::new(),
                 offset: cells,
                 kind: port_type.kind,
                 shape: port_type.shape,
@@ -41,7 +43,7 @@ pub(super) fn lay_out(
     }
     let mut initial_signals = vec![0.0; cells];
 
-    let mut blocks: Vec<Instance> = Vec::new();
+    let mut blocks: Vec<Instance> = Vec::with_capacity(flat.blocks.len());
     let (mut x, mut d, mut g) = (0, 0, 0);
     let mut recorded = Columns::default();
     let held = |source: &Source| {
@@ -91,13 +93,13 @@ pub(super) fn lay_out(
         let (_, y) = first_signal[index];
         let known = &order.laws.blocks[index];
         blocks.push(Instance {
-            path: block.path.clone(),
-            kind: block.kind.clone(),
-            place: block.place.clone(),
-            parts: block.parts.clone(),
+            path: String::new(),
+            kind: String::new(),
+            place: None,
+            parts: Vec::new(),
             block: known.block.clone(),
             law: known.law.clone(),
-            interface: interface.clone(),
+            interface: Interface::default(),
             gather,
             inputs: known.inputs.clone(),
             outputs: known.outputs.clone(),

@@ -7,6 +7,8 @@ mod loops;
 mod order;
 mod when;
 
+use std::sync::Arc;
+
 use blocksim_block::schedule::{Schedule, Settings};
 use foldhash::HashMap;
 
@@ -22,23 +24,22 @@ use when::when;
 /// Sorts the output groups and lays out all values.
 pub(crate) fn sort(
     title: String,
-    flat: &Flat,
+    flat: Flat,
     mut typed: Typed,
     settings: Settings,
     problems: &mut Problems,
 ) -> Option<Schedule> {
-    let mut laws = Laws::record(flat, &mut typed, problems);
-    let typed = &typed;
+    let mut laws = Laws::record(&flat, &mut typed, problems);
     // Where blocks seem to need each other's outputs, only their values may tell whether they do.
-    let mut order = Order::new(flat, typed, &laws);
+    let mut order = Order::new(&flat, &typed, &laws);
     let bound = order.in_loops();
     if !bound.is_empty() {
         drop(order);
-        laws.split(typed, &bound);
-        order = Order::new(flat, typed, &laws);
+        laws.split(&typed, &bound);
+        order = Order::new(&flat, &typed, &laws);
     }
     let sorted = order.topological();
-    let clock = clock(flat, typed, problems);
+    let clock = clock(&flat, &typed, problems);
     if problems.any_error() {
         return None;
     }
@@ -50,7 +51,24 @@ pub(crate) fn sort(
     if problems.any_error() {
         return None;
     }
-    Some(lay_out(title, &order, settings, &sorted, clock, &rates, &when))
+    let mut schedule = lay_out(title, &order, settings, &sorted, clock, &rates, &when);
+    drop(order);
+    hand_over(&mut schedule, flat, typed);
+    Some(schedule)
+}
+
+/// Puts names, places and interfaces into a schedule, which are not needed elsewhere any more.
+fn hand_over(schedule: &mut Schedule, flat: Flat, typed: Typed) {
+    let mut signals = schedule.signals.iter_mut();
+    for ((block, of), interface) in flat.blocks.into_iter().zip(&mut schedule.blocks).zip(typed.interfaces) {
+        let names = block.output_names.into_iter().take(interface.outputs.len());
+        names.zip(signals.by_ref()).for_each(|(name, signal)| signal.path = name);
+        of.path = block.path;
+        of.kind = block.kind;
+        of.place = block.place;
+        of.parts = block.parts;
+        of.interface = Arc::unwrap_or_clone(interface);
+    }
 }
 
 /// The longest time that a block has something to show, for `stop_time: Auto`.
@@ -87,7 +105,7 @@ mod tests {
         };
         let (flat, _) = elaborate(flat, [].iter(), &mut problems);
         let typed = infer(&flat, &mut problems);
-        let schedule = sort(String::new(), &flat, typed, settings, &mut problems);
+        let schedule = sort(String::new(), flat, typed, settings, &mut problems);
         (schedule, messages(&problems))
     }
 

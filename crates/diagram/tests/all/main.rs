@@ -1,5 +1,6 @@
-//! The examples run, and what they print is right; conditional subsystems.
+//! The examples run, and what they print is right; conditional subsystems; blocks that are written alike.
 
+mod alike;
 mod conditional;
 
 #[allow(dead_code)]
