@@ -32,9 +32,11 @@ pub trait Block: Any + Debug + Send + Sync {
         Ok(())
     }
 
-    /// Says where the block is in the model, `control/noise`: once, behind `load`. Where that makes a difference, `Debug` has to show it:
-    /// blocks that are written alike are one otherwise.
-    fn place(&mut self, _path: &str) {}
+    /// Says where the block is in the model, `control/noise`: once, behind `load`. Returns whether that makes a difference: blocks that are
+    /// written alike are one block otherwise.
+    fn place(&mut self, _path: &str) -> bool {
+        false
+    }
 
     /// Ports, states and dependencies, from the parameters and from what is known of the inputs. Called several
     /// times while shapes and units travel through the diagram. The names of the ports depend on the parameters

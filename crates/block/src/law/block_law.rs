@@ -219,7 +219,7 @@ impl BlockLaw {
         Some(Self::new(&self.block, self.program.clone(), Arc::new(form)))
     }
 
-    /// The settled states that are chosen with a group, by their number among [`settled`](Self::settled).
+    /// The settled states that are chosen with a group, by their number among [`settled`](Form::settled).
     pub fn chosen_in(&self, group: usize) -> &[usize] {
         self.groups.chosen.get(group).map_or(&[], Vec::as_slice)
     }

@@ -21,8 +21,9 @@ pub struct Stop {
 }
 
 impl Block for Stop {
-    fn place(&mut self, path: &str) {
+    fn place(&mut self, path: &str) -> bool {
         path.clone_into(&mut self.path);
+        true
     }
 
     fn interface(&self, _given: &Given) -> Result<Interface, InterfaceError> {

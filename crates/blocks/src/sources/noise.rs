@@ -127,8 +127,9 @@ impl Noise {
 }
 
 impl Block for Noise {
-    fn place(&mut self, path: &str) {
+    fn place(&mut self, path: &str) -> bool {
         path.clone_into(&mut self.path);
+        true
     }
 
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {

@@ -30,8 +30,6 @@ struct Class<'a> {
 /// What is known of blocks that are written alike.
 #[derive(Clone)]
 pub(super) enum Became {
-    /// There is one so far.
-    One,
     /// All of them are this.
     Same(Content),
     /// Each of them is something else, by its place in the model.
@@ -52,17 +50,11 @@ impl<'a> Alike<'a> {
         classes.iter().find(is_like).map(|class| &class.became)
     }
 
-    /// Notes what is known of the blocks like this one, whose kind and parameters `node` holds.
+    /// Notes what is known of the blocks like this one, which is the first; `node` holds its kind and parameters.
     pub(super) fn note(&mut self, node: Node, file: FileId, scope: &Rc<Scope<'a>>, became: Became) {
         let Shape::Struct(Some(kind), parameters) = &node.value else { return };
         let classes = self.known.entry(hash(kind, parameters, file, scope)).or_default();
-        let is_like = |class: &&mut Class<'a>| {
-            class.file == file && Rc::ptr_eq(&class.scope, scope) && are_alike(&class.node, &node)
-        };
-        match classes.iter_mut().find(is_like) {
-            Some(class) => class.became = became,
-            None => classes.push(Class { node, file, scope: scope.clone(), became }),
-        }
+        classes.push(Class { node, file, scope: scope.clone(), became });
     }
 }
 

@@ -89,20 +89,14 @@ impl<'a> Resolver<'a> {
             self.report(with_help(problem, error.help));
             return Content::Unknown;
         }
-        // The second one of those that are written alike tells whether its place makes a difference.
-        let text = matches!(known, Some(Became::One)).then(|| format!("{built:?}"));
-        built.place(path);
-        is_own |= text.as_ref().is_some_and(|text| *text != format!("{built:?}"));
+        is_own |= built.place(path);
         let plain = self.strict && reading.has_open.get();
         let content = self.interface(ast, block, Arc::from(built), (units, numbers, plain));
         if is_one_of_many && let Content::Block { .. } = content {
-            let became = match known {
-                Some(Became::Each) => return content,
-                _ if is_own => Became::Each,
-                Some(_) => Became::Same(content.clone()),
-                None => Became::One,
-            };
-            self.alike.borrow_mut().note(node, ast.file, scope, became);
+            let became = if is_own { Became::Each } else { Became::Same(content.clone()) };
+            if known.is_none() {
+                self.alike.borrow_mut().note(node, ast.file, scope, became);
+            }
         }
         content
     }
