@@ -1,5 +1,6 @@
 //! Whole diagrams and what holds for the project as a whole. One program, because every program is linked for itself.
 
+mod alike;
 mod architecture;
 mod audit;
 mod bad_input;
