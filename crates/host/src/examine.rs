@@ -255,7 +255,7 @@ fn trace(
         inputs(step, seed, &mut u);
         let failed = |failure: crate::call::Failure| format!("{failure} at t = {t} s");
         let mut spent = 0.0;
-        kind.outputs(&At { params, t, x: &x, xd: &xd, u: &u }, &mut y).map_err(failed)?;
+        kind.outputs(None, &At { params, t, x: &x, xd: &xd, u: &u }, &mut y).map_err(failed)?;
         spent += isolate::last_duration();
         bits.extend(y.iter().map(|y| y.to_bits()));
         if is_backwards {
@@ -263,11 +263,11 @@ fn trace(
         }
         if period > 0.0 {
             let mut next = xd.clone();
-            kind.update(&At { params, t, x: &x, xd: &xd, u: &u }, &mut next).map_err(failed)?;
+            kind.update(None, &At { params, t, x: &x, xd: &xd, u: &u }, &mut next).map_err(failed)?;
             spent += isolate::last_duration();
             xd = next;
         } else if !x.is_empty() {
-            kind.derivatives(&At { params, t, x: &x, xd: &xd, u: &u }, &mut dx).map_err(failed)?;
+            kind.derivatives(None, &At { params, t, x: &x, xd: &xd, u: &u }, &mut dx).map_err(failed)?;
             spent += isolate::last_duration();
             x.iter_mut().zip(&dx).for_each(|(x, dx)| *x += STEP * dx);
         }

@@ -1,5 +1,9 @@
 //! A call with private buffers: the numbers of the engine are copied in and out, so that a plug-in which writes where it must
 //! not is found out by words around its buffers, and does no harm to anybody else as long as it stays near them.
+//!
+//! [`call`] lays out buffers of any lengths for one call; [`room`] has those of one block ready for all calls of a run.
+
+pub mod room;
 
 use std::cell::{Cell, RefCell};
 
@@ -199,12 +203,8 @@ pub fn framed(
         let (places_given, places_wanted) = lay_out(words, given, wanted);
         let mut frame = Frame { words, text, given: places_given, wanted: places_wanted };
         let status = function(&mut frame)?;
-        let is_whole = is_whole(words, given, wanted);
-        let broken = if is_whole { None } else { broken(words, given, wanted) }.or_else(|| {
-            let is_whole = text[MESSAGE_BYTES..] == [TAIL_BYTE; TAIL];
-            (!is_whole).then(|| format!("it wrote behind the {MESSAGE_BYTES} bytes of its message"))
-        });
-        let broken = broken.or_else(|| {
+        let is_whole = is_whole(words, given, wanted) && is_text_whole(text);
+        let broken = if is_whole { None } else { broken(words, text, given, wanted) }.or_else(|| {
             (is_moving && is_old_written()).then(|| "it wrote to a buffer of an earlier call".to_owned())
         });
         if let Some(broken) = broken {
@@ -289,9 +289,15 @@ fn is_whole(words: &[u64], given: &[Given], wanted: &[Wanted]) -> bool {
     odd.0.iter().fold(changed, |all, word| all | word) == 0
 }
 
+/// Whether nothing was written behind the message.
+#[inline]
+fn is_text_whole(text: &[u8; TEXT_BYTES]) -> bool {
+    text[MESSAGE_BYTES..] == [TAIL_BYTE; TAIL]
+}
+
 /// What was written that must not be, where something was.
 #[cold]
-fn broken(words: &[u64], given: &[Given], wanted: &[Wanted]) -> Option<String> {
+fn broken(words: &[u64], text: &[u8; TEXT_BYTES], given: &[Given], wanted: &[Wanted]) -> Option<String> {
     let of_given = given.iter().map(|given| (given.what, given.numbers.len()));
     let of_wanted = wanted.iter().map(|wanted| (wanted.what, wanted.numbers.len()));
     let mut last = None;
@@ -325,26 +331,31 @@ fn broken(words: &[u64], given: &[Given], wanted: &[Wanted]) -> Option<String> {
         }
         at += numbers.len() + GUARD;
     }
-    None
+    (!is_text_whole(text)).then(|| format!("it wrote behind the {MESSAGE_BYTES} bytes of its message"))
 }
 
 /// Copies the results to the engine.
 fn take(words: &[u64], given: &[Given], wanted: &mut [Wanted]) -> Result<(), Failure> {
     let mut at = GUARD + given.iter().map(|given| given.numbers.len() + GUARD).sum::<usize>();
-    for Wanted { what, list, numbers, is_kept } in wanted {
-        let results = &words[at..at + numbers.len()];
-        let is_missing = || results.iter().fold(false, |found, word| found | (*word == UNWRITTEN));
-        if !*is_kept
-            && is_missing()
-            && let Some(missing) = results.iter().position(|&word| word == UNWRITTEN)
-        {
-            let text =
-                format!("the plug-in broke a rule: it did not write its {what} {}", named(list, missing));
-            return Err(Failure { status: OK, text });
-        }
-        numbers.iter_mut().zip(results).for_each(|(number, word)| *number = f64::from_bits(*word));
-        at += numbers.len() + GUARD;
+    for wanted in wanted {
+        take_one(&words[at..at + wanted.numbers.len()], wanted)?;
+        at += wanted.numbers.len() + GUARD;
     }
+    Ok(())
+}
+
+/// Copies the results of one buffer, if all of them have been written.
+#[inline]
+fn take_one(results: &[u64], wanted: &mut Wanted) -> Result<(), Failure> {
+    let is_missing = || results.iter().fold(false, |found, word| found | (*word == UNWRITTEN));
+    if !wanted.is_kept
+        && is_missing()
+        && let Some(missing) = results.iter().position(|&word| word == UNWRITTEN)
+    {
+        let (what, name) = (wanted.what, named(wanted.list, missing));
+        return Err(broken_rule(&format!("it did not write its {what} {name}")));
+    }
+    wanted.numbers.iter_mut().zip(results).for_each(|(number, word)| *number = f64::from_bits(*word));
     Ok(())
 }
 
@@ -372,19 +383,35 @@ mod tests {
         Quantity { name, unit: "1", dimension: None, length, doc: "", default: None, reads: Vec::new() }
     }
 
-    /// What a call says whose function does this with two inputs (one a vector) and two outputs.
-    fn outcome(function: impl FnOnce(*mut f64, *mut f64, *const Message) -> Status) -> (String, [f64; 2]) {
+    /// What a call says whose function does this with two inputs (one a vector) and two outputs: the same in buffers of the thread and
+    /// in those of a block, which is called once more by a function that keeps the rules.
+    fn outcome(function: impl Fn(*mut f64, *mut f64, *const Message) -> Status) -> (String, [f64; 2]) {
         let (u, y) = ([quantity("a", 1), quantity("v", 2)], [quantity("p", 1), quantity("q", 1)]);
-        let given = [
-            Given { what: "parameter", list: &[], numbers: &[] },
-            Given { what: "input", list: &u, numbers: &[1.0, 2.0, 3.0] },
-        ];
+        let none: &[f64] = &[];
+        let numbers = [none, none, none, &[1.0, 2.0, 3.0]];
+        let given = [("parameter", 0), ("continuous state", 1), ("discrete state", 2), ("input", 3)]
+            .map(|(what, i)| Given { what, list: if i == 3 { &u[..] } else { &[] }, numbers: numbers[i] });
+        let perform =
+            |places: &Places, message| function(places.given[3].cast_mut(), places.wanted[0], message);
+        let said = |answer: Result<(), Failure>| {
+            answer.map_or_else(|failure| failure.to_string(), |()| "fine".to_owned())
+        };
+
         let mut results = [7.0; 2];
-        let mut wanted = [Wanted { what: "output", list: &y, numbers: &mut results, is_kept: false }];
-        let answer = call(&given, &mut wanted, |places, message| {
-            function(places.given[1].cast_mut(), places.wanted[0], message)
-        });
-        (answer.map_or_else(|failure| failure.to_string(), |()| "fine".to_owned()), results)
+        let mut wanted = Wanted { what: "output", list: &y, numbers: &mut results, is_kept: false };
+        let in_thread = said(call(&given, std::slice::from_mut(&mut wanted), perform));
+        let mut room = room::Room::new([0, 0, 0, 3], 4);
+        let mut in_room = [7.0; 2];
+        let mut wanted = Wanted { what: "output", list: &y, numbers: &mut in_room, is_kept: false };
+        assert_eq!(said(room.call(numbers, &mut wanted, || given, perform)), in_thread);
+        assert_eq!(in_room, results);
+
+        // The next call finds whole guards, and whatever the length of its results, a guard behind them.
+        let mut three = [1.0, f64::NAN, 3.0];
+        let mut wanted = Wanted { what: "state", list: &y, numbers: &mut three, is_kept: true };
+        assert_eq!(room.call(numbers, &mut wanted, || given, |_, _| OK), Ok(()));
+        assert!(three[0] == 1.0 && three[1].is_nan() && three[2] == 3.0);
+        (in_thread, results)
     }
 
     #[test]
@@ -401,16 +428,17 @@ mod tests {
             Wanted { what: "state", list: &list, numbers: &mut kept, is_kept: true },
             Wanted { what: "output", list: &list, numbers: &mut new, is_kept: false },
         ];
-        let mut words = vec![0; needed(4, 6)];
+        let (mut words, mut text) = (vec![0; needed(4, 6)], [0; TEXT_BYTES]);
+        text[MESSAGE_BYTES..].fill(TAIL_BYTE);
         let places = lay_out(&mut words, &given, &wanted);
         assert_eq!(places.0[..2], [Some(16), Some(32)]);
         assert_eq!(places.1, [Some(51), Some(69)]);
-        assert!(is_whole(&words, &given, &wanted) && broken(&words, &given, &wanted).is_none());
+        assert!(is_whole(&words, &given, &wanted) && broken(&words, &text, &given, &wanted).is_none());
         for at in 0..words.len() {
             let before = std::mem::replace(&mut words[at], 0x55);
             let is_wanted = (51..53).contains(&at) || at == 69;
             assert_eq!(is_whole(&words, &given, &wanted), is_wanted, "word {at}");
-            assert_eq!(broken(&words, &given, &wanted).is_none(), is_wanted, "word {at}");
+            assert_eq!(broken(&words, &text, &given, &wanted).is_none(), is_wanted, "word {at}");
             words[at] = before;
         }
     }
@@ -467,7 +495,7 @@ mod tests {
                         *u.sub(16) = 0.0;
                         OK
                     },
-                    "it wrote behind the end of its parameters, which hold 0 numbers",
+                    "it wrote behind the end of its discrete states, which hold 0 numbers",
                 ),
                 (
                     |_, y, _| {

@@ -4,6 +4,7 @@ use blocksim_abi::{BlockTable, Message, OK, Status};
 use blocksim_signal::Dimension;
 
 use crate::call::Failure;
+use crate::guard::room::Room;
 use crate::guard::{self, Given, Places, Wanted};
 use crate::isolate::{Op, Remote};
 #[cfg(feature = "wasm")]
@@ -142,43 +143,81 @@ impl Kind {
     }
 
     /// All outputs.
-    pub(crate) fn outputs(&self, at: &At, y: &mut [f64]) -> Result<(), Failure> {
+    pub(crate) fn outputs(&self, room: Option<&mut Room>, at: &At, y: &mut [f64]) -> Result<(), Failure> {
         fits(y.len(), self.sizes.y)?;
         let wanted = Wanted { what: "output", list: &self.outputs, numbers: y, is_kept: false };
-        self.call(Op::Outputs, at.t, &self.given(at)?, &mut [wanted])
+        self.evaluate(room, Op::Outputs, at, wanted)
     }
 
     /// Discrete states of the next sample; `next` holds a copy of the present ones.
-    pub(crate) fn update(&self, at: &At, next: &mut [f64]) -> Result<(), Failure> {
+    pub(crate) fn update(&self, room: Option<&mut Room>, at: &At, next: &mut [f64]) -> Result<(), Failure> {
         fits(next.len(), self.sizes.xd)?;
         let wanted =
             Wanted { what: "next discrete state", list: &self.discrete, numbers: next, is_kept: true };
-        self.call(Op::Update, at.t, &self.given(at)?, &mut [wanted])
+        self.evaluate(room, Op::Update, at, wanted)
     }
 
     /// Time derivatives of the continuous states.
-    pub(crate) fn derivatives(&self, at: &At, dx: &mut [f64]) -> Result<(), Failure> {
+    pub(crate) fn derivatives(
+        &self,
+        room: Option<&mut Room>,
+        at: &At,
+        dx: &mut [f64],
+    ) -> Result<(), Failure> {
         fits(dx.len(), self.sizes.x)?;
         let wanted = Wanted { what: "derivative", list: &self.continuous, numbers: dx, is_kept: false };
-        self.call(Op::Derivatives, at.t, &self.given(at)?, &mut [wanted])
+        self.evaluate(room, Op::Derivatives, at, wanted)
     }
 
     fn params<'a>(&'a self, numbers: &'a [f64]) -> Given<'a> {
         Given { what: "parameter", list: &self.parameters, numbers }
     }
 
-    /// What every evaluation may read.
-    fn given<'a>(&'a self, at: &At<'a>) -> Result<[Given<'a>; 4], Failure> {
+    /// The room of a block for evaluations, where they are calls of functions of this process; others bring their own.
+    pub(crate) fn room(&self) -> Option<Room> {
+        let Sizes { params, u, y, x, xd } = self.sizes;
+        matches!(self.calls, Calls::Table(_)).then(|| Room::new([params, x, xd, u], y.max(x).max(xd)))
+    }
+
+    /// Calls a function that is given all that an evaluation may read, in the room of the block if it has one.
+    #[inline]
+    fn evaluate(&self, room: Option<&mut Room>, op: Op, at: &At, mut wanted: Wanted) -> Result<(), Failure> {
+        let (Some(room), Calls::Table(table)) = (room, &self.calls) else {
+            return self.call(op, at.t, &self.given(at)?, &mut [wanted]);
+        };
+        self.fit(at)?;
+        let given = [at.params, at.x, at.xd, at.u];
+        // SAFETY: as in `call`: the room has been made for the lengths that the table states, and `fit` has compared these.
+        room.call(
+            given,
+            &mut wanted,
+            || self.named(at),
+            |places, m| unsafe { perform(table, op, at.t, places, m) },
+        )
+    }
+
+    /// Refuses lists of other lengths than the table states.
+    fn fit(&self, at: &At) -> Result<(), Failure> {
         fits(at.params.len(), self.sizes.params)?;
         fits(at.x.len(), self.sizes.x)?;
         fits(at.xd.len(), self.sizes.xd)?;
-        fits(at.u.len(), self.sizes.u)?;
-        Ok([
+        fits(at.u.len(), self.sizes.u)
+    }
+
+    /// What every evaluation may read.
+    fn given<'a>(&'a self, at: &At<'a>) -> Result<[Given<'a>; 4], Failure> {
+        self.fit(at)?;
+        Ok(self.named(at))
+    }
+
+    /// The same with names, whatever the lengths.
+    fn named<'a>(&'a self, at: &At<'a>) -> [Given<'a>; 4] {
+        [
             self.params(at.params),
             Given { what: CONTINUOUS, list: &self.continuous, numbers: at.x },
             Given { what: DISCRETE, list: &self.discrete, numbers: at.xd },
             Given { what: "input", list: &self.inputs, numbers: at.u },
-        ])
+        ]
     }
 
     /// Calls a function wherever it is, with buffers of the lengths that the table states.

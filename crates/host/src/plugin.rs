@@ -181,6 +181,11 @@ impl Block for Plugin {
         }
     }
 
+    fn scratch(&self) -> Scratch {
+        let room = self.loaded.as_ref().and_then(|loaded| loaded.kind.room());
+        room.map_or_else(Scratch::default, Scratch::new)
+    }
+
     fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
         self.run(c, |Loaded { kind, params, .. }| {
             // Grows the buffers of this thread now, so that the run itself allocates nothing.
@@ -194,11 +199,11 @@ impl Block for Plugin {
         });
     }
 
-    fn outputs(&self, group: usize, c: &Context, _w: &mut Scratch, y: &mut [f64]) {
+    fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
         self.run(c, |Loaded { kind, params, interface, .. }| {
             let at = At { params, t: c.t, x: c.x, xd: c.d, u: c.u };
             if interface.groups.len() == 1 {
-                kind.outputs(&at, y).map_err(|failure| failure.to_string())?;
+                kind.outputs(w.get(), &at, y).map_err(|failure| failure.to_string())?;
                 return if all_finite(y) {
                     Ok(())
                 } else {
@@ -206,7 +211,7 @@ impl Block for Plugin {
                 };
             }
             with_numbers(y.len(), |all| {
-                kind.outputs(&at, all).map_err(|failure| failure.to_string())?;
+                kind.outputs(w.get(), &at, all).map_err(|failure| failure.to_string())?;
                 // Inputs that the group does not read may be stale: outputs of other groups mean nothing yet.
                 for (port, output) in kind.outputs.iter().enumerate() {
                     if interface.group_of[port] != group {
@@ -223,10 +228,10 @@ impl Block for Plugin {
         });
     }
 
-    fn derivatives(&self, c: &Context, _w: &mut Scratch, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Context, w: &mut Scratch, dx: &mut [f64]) {
         self.run(c, |Loaded { kind, params, .. }| {
             let at = At { params, t: c.t, x: c.x, xd: c.d, u: c.u };
-            kind.derivatives(&at, dx).map_err(|failure| failure.to_string())?;
+            kind.derivatives(w.get(), &at, dx).map_err(|failure| failure.to_string())?;
             if all_finite(dx) {
                 return Ok(());
             }
@@ -234,12 +239,12 @@ impl Block for Plugin {
         });
     }
 
-    fn update(&self, c: &Context, _w: &mut Scratch, d: &mut [f64]) {
+    fn update(&self, c: &Context, w: &mut Scratch, d: &mut [f64]) {
         self.run(c, |Loaded { kind, params, .. }| {
             with_numbers(d.len(), |before| {
                 before.copy_from_slice(d);
                 let at = At { params, t: c.t, x: c.x, xd: before, u: c.u };
-                let mut result = kind.update(&at, d).map_err(|failure| failure.to_string());
+                let mut result = kind.update(w.get(), &at, d).map_err(|failure| failure.to_string());
                 if result.is_ok() && !all_finite(d) {
                     result = Err(no_number("the next value of state", &kind.discrete, d, kind, c));
                 }

@@ -141,9 +141,9 @@ fn call(
             let (x, xd) = out.split_at_mut(kind.sizes.x);
             kind.reset(params, x, xd)
         }
-        Op::Outputs => kind.outputs(&at, out),
-        Op::Update => kind.update(&at, out),
-        Op::Derivatives => kind.derivatives(&at, out),
+        Op::Outputs => kind.outputs(None, &at, out),
+        Op::Update => kind.update(None, &at, out),
+        Op::Derivatives => kind.derivatives(None, &at, out),
     }
 }
 
