@@ -72,7 +72,9 @@ pub mod private {
 pub mod prelude {
     pub use crate::event::{Change, Event};
     pub use crate::law::{Condition, Failure, Recording, Relation, Value};
-    pub use crate::physical::{Component, Energy, Gives, Law, Needs, Part, Reading, Torque};
+    pub use crate::physical::{
+        Component, Energy, Fed, Flowing, Gives, Known, Loaded, Moving, Needs, Part, Reading, Torque,
+    };
     pub use crate::{
         Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,
         Inspect, Interface, InterfaceError, LoadError, MOST_PORTS, Output, ParamError, ParamErrors,

@@ -42,8 +42,7 @@ impl Block for Network {
             if let (ELECTRICS, Some(held)) = (group, &seat.held) {
                 self.measure_mean(c, seat, held, w, &mut y[seat.y.clone()]);
             } else {
-                let law = if group == MOTION { self.whole_law(c, seat, w) } else { self.law(c, seat, w) };
-                seat.measure(&law, group, &mut y[seat.y.clone()]);
+                self.measure(c, seat, group, w, &mut y[seat.y.clone()]);
             }
         }
         if group == MOTION {
@@ -64,7 +63,7 @@ impl Block for Network {
         dx[self.positions..self.positions + self.rotation.free].copy_from_slice(&w.dv);
         for seat in self.active.states.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.component() {
-                component.derivatives(&self.law(c, seat, w), &mut dx[seat.x.clone()]);
+                component.derivatives(&self.flowing_law(c, seat, w), &mut dx[seat.x.clone()]);
             }
         }
         for shift in self.electrics.islands.iter().flat_map(|island| &island.shifts) {
@@ -83,16 +82,20 @@ impl Block for Network {
             self.state_phase(c, w);
             for seat in self.active.guards.iter().map(|i| &self.seats[*i]) {
                 if let Some(component) = seat.component() {
-                    component.guards(&self.state_law(c, seat, w), &mut g[seat.g.clone()]);
+                    component.guards_of_state(&self.moving_law(c, seat, w), &mut g[seat.g.clone()]);
                 }
             }
             return;
         }
         self.motion_phase(c, w);
-        self.inner_torques(w);
         for seat in self.active.guards.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.component() {
-                component.guards(&self.whole_law(c, seat, w), &mut g[seat.g.clone()]);
+                let g = &mut g[seat.g.clone()];
+                if seat.member.part.guards_of_state {
+                    component.guards_of_state(&self.moving_law(c, seat, w), g);
+                } else {
+                    component.guards(&self.flowing_law(c, seat, w), g);
+                }
             }
         }
         self.stiction_guards(c, w, g);
@@ -109,13 +112,12 @@ impl Block for Network {
         modes.copy_from_slice(d);
         let here = Context { x: &before, d: &modes, ..*c };
         self.motion_phase(&here, w);
-        self.inner_torques(w);
         let booked = self.before_jump(&here, w, x, d);
         let mut jumped = self.loops_meet_sources() && self.meet_loops(&here, w, x);
         for seat in self.active.jumps.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.component() {
                 let (x, d) = (&mut x[seat.x.clone()], &mut d[seat.d.clone()]);
-                jumped |= component.jump(&self.whole_law(&here, seat, w), x, d);
+                jumped |= component.jump(&self.flowing_law(&here, seat, w), x, d);
             }
         }
         if jumped {
@@ -160,7 +162,7 @@ impl Block for Network {
 
     fn next_event(&self, c: &Context) -> f64 {
         let seats = self.active.time_events.iter().map(|i| &self.seats[*i]);
-        let times = seats.filter_map(|seat| Some(seat.component()?.next_event(&self.still(c, seat))));
+        let times = seats.filter_map(|seat| Some(seat.component()?.next_event(&self.known_law(c, seat))));
         times.fold(f64::INFINITY, f64::min)
     }
 

@@ -47,7 +47,7 @@ impl Network {
         [parts[MOTION], parts[GRAVITY]] = self.moving(c, w);
         for (to, seat) in parts[OWN..].iter_mut().zip(&self.seats) {
             *to = match (&seat.held, seat.component()) {
-                (None, Some(component)) => component.energy(&self.law(c, seat, w)).stored,
+                (None, Some(component)) => component.energy(&self.flowing_law(c, seat, w)).stored,
                 _ => 0.0,
             };
         }
@@ -58,7 +58,7 @@ impl Network {
     fn flows(&self, c: &Context, w: &Work) -> Energy {
         let mut sum = Energy::default();
         for (seat, component) in self.books() {
-            let Energy { supplied, dissipated, .. } = component.energy(&self.law(c, seat, w));
+            let Energy { supplied, dissipated, .. } = component.energy(&self.flowing_law(c, seat, w));
             sum += Energy { stored: 0.0, supplied, dissipated };
         }
         let r = &self.rotation;

@@ -1,88 +1,113 @@
-//! What the members of a network see while their laws are evaluated.
+//! What the members of a network see while their laws are evaluated: at each stage of an evaluation what is known then.
+//!
+//! Laws are put together some hundred times in an evaluation, so each is one expression, which a compiler writes where it is wanted.
 
 use blocksim_block::Context;
-use blocksim_block::physical::Law;
+use blocksim_block::physical::{Fed, Flowing, Known, Loaded, Moving};
 
 use crate::network::Network;
 use crate::seat::{Seat, Shares};
 use crate::work::Work;
 
+/// A share of a list, or nothing.
+macro_rules! share {
+    ($seat:ident, $share:ident, $list:expr, $range:expr) => {
+        if $seat.shares.has(Shares::$share) { &$list[$range.clone()] } else { &[] }
+    };
+}
+
 impl Network {
-    /// What a member sees before accelerations are known.
+    /// Time, states and inputs.
     #[inline(always)]
-    pub(crate) fn law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
+    pub(crate) fn known_law<'a>(&self, c: &Context<'a>, seat: &'a Seat) -> Known<'a> {
         let (x, d) = seat.states(c);
-        let mut law = Law { t: c.t, x, d, inputs: &seat.inputs, ..Law::nothing() };
-        let shares = seat.shares;
-        if shares.has(Shares::OWN)
-            && let Some(at) = seat.shifted
-        {
-            law.x = &w.own[at..at + x.len()];
-        }
-        if shares.has(Shares::INPUTS) {
-            law.u = &c.u[seat.u.clone()];
-        }
-        if shares.has(Shares::PINS) {
-            law.speed = &w.pin_speed[seat.pins.clone()];
-        }
-        if shares.has(Shares::MODES) {
-            law.mode = self.modes_of(c, seat);
-        }
-        if shares.has(Shares::TWO_PINS) {
-            law.voltage = &w.voltage[seat.two_pins.clone()];
-            law.current = &w.current[seat.two_pins.clone()];
-            law.places = &seat.places;
-        }
-        if shares.has(Shares::SUPPLY)
-            && let Some(i) = seat.supply
-        {
-            law.supply = &w.supply[i];
-            law.line_current = &w.line_current[i];
-        }
-        if shares.has(Shares::SPACE) {
-            law.joint = &w.joint_motion[seat.joint.clone()];
-            law.frames = &w.frame_motion[seat.frames.clone()];
-            if let Some(i) = seat.ball {
-                law.orientation = &w.orientation[i];
-            }
-        }
-        law
+        Known { t: c.t, x, d, u: share!(seat, INPUTS, c.u, seat.u), inputs: &seat.inputs }
     }
 
-    /// What a member sees when states and speeds are known, and nothing else is.
-    pub(crate) fn state_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
-        // What belongs to another evaluation is not there to be read.
-        let Law { supply, line_current, .. } = Law::nothing();
-        Law { voltage: &[], current: &[], supply, line_current, ..self.law(c, seat, w) }
-    }
-
-    /// The same with the states as the solver has them, where sources add to them.
+    /// The same with what sources add to states, and with speeds.
     #[inline(always)]
-    pub(crate) fn own_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
-        let mut law = self.law(c, seat, w);
-        if seat.shares.has(Shares::OWN) {
-            law.x = seat.states(c).0;
-        }
-        law
+    pub(crate) fn moving_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Moving<'a> {
+        let own = self.known_law(c, seat);
+        let x = match seat.shifted {
+            Some(at) if seat.shares.has(Shares::OWN) => &w.own[at..at + own.x.len()],
+            _ => own.x,
+        };
+        self.moving_with(Known { x, ..own }, c, seat, w)
     }
 
-    /// What a member sees in the end.
+    /// The same with the states that the solver has.
     #[inline(always)]
-    pub(crate) fn whole_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Law<'a> {
-        let mut law = self.law(c, seat, w);
-        if seat.shares.has(Shares::PINS) {
-            law.acceleration = &w.pin_acceleration[seat.pins.clone()];
-            law.torque = &w.pin_torque[seat.pins.clone()];
-        }
-        if seat.shares.has(Shares::GEARS) {
-            law.mesh = &w.all_mesh[seat.gears.clone()];
-        }
-        law
+    pub(crate) fn moving_own_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Moving<'a> {
+        self.moving_with(self.known_law(c, seat), c, seat, w)
     }
 
-    /// What a member sees when nothing but time, inputs and states is known.
-    pub(crate) fn still<'a>(&'a self, c: &Context<'a>, seat: &'a Seat) -> Law<'a> {
-        let (x, d) = seat.states(c);
-        Law { t: c.t, x, d, u: &c.u[seat.u.clone()], inputs: &seat.inputs, ..Law::nothing() }
+    #[inline(always)]
+    fn moving_with<'a>(
+        &'a self,
+        known: Known<'a>,
+        c: &Context<'a>,
+        seat: &'a Seat,
+        w: &'a Work,
+    ) -> Moving<'a> {
+        Moving {
+            known,
+            speed: share!(seat, PINS, w.pin_speed, seat.pins),
+            mode: if seat.shares.has(Shares::MODES) { self.modes_of(c, seat) } else { &[] },
+            joint: share!(seat, SPACE, w.joint_motion, seat.joint),
+            orientation: match seat.ball {
+                Some(i) if seat.shares.has(Shares::SPACE) => &w.orientation[i],
+                _ => Moving::NOTHING.orientation,
+            },
+            frames: share!(seat, SPACE, w.frame_motion, seat.frames),
+        }
     }
+
+    /// The same with the supply.
+    #[inline(always)]
+    pub(crate) fn fed_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Fed<'a> {
+        Fed {
+            moving: self.moving_law(c, seat, w),
+            supply: supply(seat).map_or(Fed::NOTHING.supply, |i| &w.supply[i]),
+        }
+    }
+
+    /// The same with the states that the solver has.
+    #[inline(always)]
+    pub(crate) fn fed_own_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Fed<'a> {
+        Fed {
+            moving: self.moving_own_law(c, seat, w),
+            supply: supply(seat).map_or(Fed::NOTHING.supply, |i| &w.supply[i]),
+        }
+    }
+
+    /// The same with voltages and currents.
+    #[inline(always)]
+    pub(crate) fn flowing_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Flowing<'a> {
+        Flowing {
+            fed: self.fed_law(c, seat, w),
+            voltage: share!(seat, TWO_PINS, w.voltage, seat.two_pins),
+            current: share!(seat, TWO_PINS, w.current, seat.two_pins),
+            places: &seat.places,
+            line_current: supply(seat).map_or(Flowing::NOTHING.line_current, |i| &w.line_current[i]),
+        }
+    }
+
+    /// The same with torques and accelerations.
+    #[inline(always)]
+    pub(crate) fn loaded_law<'a>(&'a self, c: &Context<'a>, seat: &'a Seat, w: &'a Work) -> Loaded<'a> {
+        Loaded {
+            flowing: self.flowing_law(c, seat, w),
+            acceleration: share!(seat, PINS, w.pin_acceleration, seat.pins),
+            torque: share!(seat, PINS, w.pin_torque, seat.pins),
+            mesh: share!(seat, GEARS, w.all_mesh, seat.gears),
+            joint_load: share!(seat, SPACE, w.joint_load, seat.joint),
+            frame_acceleration: share!(seat, SPACE, w.frame_acceleration, seat.frames),
+        }
+    }
+}
+
+/// The supply that a member is connected to.
+#[inline(always)]
+fn supply(seat: &Seat) -> Option<usize> {
+    seat.supply.filter(|_| seat.shares.has(Shares::SUPPLY))
 }

@@ -1,10 +1,10 @@
 //! Outputs of members that are numbers of the network, and voltages and currents that they give as they find them: nobody is asked.
 
 use blocksim_block::Context;
-use blocksim_block::physical::{Gives, Handle, Law, Reading};
+use blocksim_block::physical::{Flowing, Gives, Handle, Loaded, Moving, Needs, Reading};
 
 use crate::network::Network;
-use crate::seat::Seat;
+use crate::seat::{MOTION, STATE, Seat};
 use crate::work::Work;
 
 /// An output of a member that is a number of the network.
@@ -74,7 +74,7 @@ impl Number {
             Self::Current(i) => w.current[i],
             Self::JointPosition(i) => w.joint_motion[i].q,
             Self::JointSpeed(i) => w.joint_motion[i].w,
-            Self::JointAcceleration(i) => w.joint_motion[i].a,
+            Self::JointAcceleration(i) => w.joint_load[i].a,
             Self::Missing => f64::NAN,
         }
     }
@@ -155,24 +155,58 @@ impl Seat {
 
     /// Whether anybody must be asked for outputs of a group.
     pub(crate) fn is_asked(&self, group: usize) -> bool {
-        self.measures[group].is_some()
+        !self.measures[group].is_empty()
             || self.reads_by_itself() && self.reads.iter().any(|read| read.group == group)
     }
 
-    /// Writes the outputs of a group, all of them where the member reads by itself, else those that it computes.
-    pub(crate) fn measure(&self, law: &Law, group: usize, y: &mut [f64]) {
-        if let (Some(needs), Some(component)) = (self.measures[group], self.component()) {
-            component.measure(law, needs, y);
+    /// Writes outputs of a group when only states and speeds are known.
+    fn measure_moving(&self, c: &Moving, group: usize, y: &mut [f64]) {
+        if let (true, Some(component)) = (self.measures[group].contains(&Needs::State), self.component()) {
+            component.measure_state(c, y);
         }
+        self.read(group, |reading| reading.of_state(c), y);
+    }
+
+    /// The same when voltages and currents are known.
+    pub(crate) fn measure_flowing(&self, c: &Flowing, group: usize, y: &mut [f64]) {
+        if let (true, Some(component)) = (self.measures[group].contains(&Needs::Electrics), self.component())
+        {
+            component.measure_electrics(c, y);
+        }
+        self.measure_moving(c, group, y);
+        self.read(group, |reading| reading.of_electrics(c), y);
+    }
+
+    /// The same when all is known.
+    fn measure_loaded(&self, c: &Loaded, group: usize, y: &mut [f64]) {
+        if let (true, Some(component)) = (self.measures[group].contains(&Needs::Motion), self.component()) {
+            component.measure_motion(c, y);
+        }
+        self.measure_flowing(c, group, y);
+        self.read(group, |reading| reading.of_motion(c), y);
+    }
+
+    /// Writes the outputs of a group that are numbers of the network, if the member reads them by itself.
+    fn read(&self, group: usize, value: impl Fn(Reading) -> f64, y: &mut [f64]) {
         if self.reads_by_itself() {
             for read in self.reads.iter().filter(|read| read.group == group) {
-                y[read.place] = read.reading.of(law);
+                y[read.place] = value(read.reading);
             }
         }
     }
 }
 
 impl Network {
+    /// Lets a member write outputs of a group, with what is known when that group is evaluated.
+    #[inline]
+    pub(crate) fn measure(&self, c: &Context, seat: &Seat, group: usize, w: &Work, y: &mut [f64]) {
+        match group {
+            STATE => seat.measure_moving(&self.moving_law(c, seat, w), group, y),
+            MOTION => seat.measure_loaded(&self.loaded_law(c, seat, w), group, y),
+            _ => seat.measure_flowing(&self.flowing_law(c, seat, w), group, y),
+        }
+    }
+
     /// Writes the outputs of a group that are numbers of the network.
     #[inline]
     pub(crate) fn show(&self, group: usize, c: &Context, w: &Work, y: &mut [f64]) {

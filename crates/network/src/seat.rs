@@ -67,7 +67,7 @@ pub(crate) struct Seat {
     /// Its readings follow from states alone.
     pub is_early: bool,
     /// Which outputs the component computes, by group, under the need that it knows them by.
-    pub measures: [Option<Needs>; 4],
+    pub measures: [Vec<Needs>; 4],
     /// The outputs that are numbers of the network.
     pub reads: Vec<Read>,
     /// The voltages and currents that it gives as it finds them.
@@ -277,7 +277,7 @@ impl Active {
             shown: [STATE, ELECTRICS, MOTION, CHARGE].map(|group| Shown::of(seats, group)),
             accelerations: seats
                 .iter()
-                .any(|seat| !seat.frames.is_empty() && seat.measures[MOTION].is_some()),
+                .any(|seat| !seat.frames.is_empty() && !seat.measures[MOTION].is_empty()),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What must hold before a network can run.
 
-use blocksim_block::physical::{Domain, Law};
+use blocksim_block::physical::{Domain, Flowing};
 use blocksim_block::{Context, Fault};
 use nalgebra::{DMatrix, DVector};
 
@@ -116,7 +116,8 @@ impl Network {
             let Some(component) = seat.component() else { continue };
             let m = crossing.weights.len();
             let (mut internal, mut inverse) = (vec![0.0; m], vec![0.0; m * m]);
-            component.reluctance(&self.own_law(c, seat, w), &mut internal, &mut inverse);
+            let law = Flowing { fed: self.fed_own_law(c, seat, w), ..self.flowing_law(c, seat, w) };
+            component.reluctance(&law, &mut internal, &mut inverse);
             let weights = DMatrix::from_diagonal(&DVector::from_column_slice(&crossing.weights));
             let border = border(crossing);
             matrix += border.transpose() * weights * DMatrix::from_row_slice(m, m, &inverse) * border;
@@ -131,10 +132,10 @@ impl Network {
         for crossing in floating.crossing.iter().filter(follows) {
             let seat = &self.seats[crossing.member];
             let Some(component) = seat.component() else { continue };
-            let law = self.own_law(c, seat, w);
+            let mut law = self.fed_own_law(c, seat, w);
             let mut x = law.x.to_vec();
             component.strike(&law, (border(crossing) * &psi).as_slice(), &mut x);
-            let law = Law { x: &x, ..law };
+            law.x = &x;
             let mut currents = vec![0.0; seat.windings.len()];
             seat.member.part.write_currents(component, &law, &mut currents);
             let first = self.electrics.sources + seat.windings.start;

@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use blocksim_block::physical::{
-    Characteristics, Element, ElementPlace, Energy, FrameMotion, Freedom, JointMotion, Law, Part, Reading,
-    Supply, Torque, Wrench,
+    Characteristics, Element, ElementPlace, Energy, Fed, Flowing, FrameMotion, Freedom, JointMotion, Known,
+    Moving, Part, Reading, Supply, Torque, Wrench,
 };
 use blocksim_block::{Block, Given, kinds};
 use blocksim_blocks as _;
@@ -206,7 +206,7 @@ impl Point {
                 for _ in 0..freedom.speeds() {
                     let ball = matches!(freedom, Freedom::Ball { .. });
                     let q = if ball { 0.0 } else { random.next() };
-                    joint.push(JointMotion { q, w: random.next(), ..JointMotion::default() });
+                    joint.push(JointMotion { q, w: random.next() });
                 }
             }
         }
@@ -237,8 +237,6 @@ impl Point {
                     position: random.three(),
                     angular: random.three(),
                     velocity: random.three(),
-                    angular_acceleration: [0.0; 3],
-                    acceleration: [0.0; 3],
                 })
                 .collect(),
             turned,
@@ -251,24 +249,22 @@ impl Point {
         point
     }
 
-    fn law(&self) -> Law<'_> {
-        Law {
-            t: self.t,
-            x: &self.x,
-            d: &self.d,
-            u: &self.u,
-            inputs: &self.inputs,
+    fn law(&self) -> Flowing<'_> {
+        let known = Known { t: self.t, x: &self.x, d: &self.d, u: &self.u, inputs: &self.inputs };
+        let moving = Moving {
+            known,
             speed: &self.speed,
             mode: &self.mode,
-            voltage: &self.voltage,
-            current: &self.current,
-            places: &self.places,
-            supply: &self.supply,
-            line_current: &self.line_current,
             joint: &self.joint,
             orientation: &self.orientation,
             frames: &self.frames,
-            ..Law::nothing()
+        };
+        Flowing {
+            fed: Fed { moving, supply: &self.supply },
+            voltage: &self.voltage,
+            current: &self.current,
+            places: &self.places,
+            line_current: &self.line_current,
         }
     }
 
@@ -301,6 +297,9 @@ impl Point {
         }
         if !i.is_empty() {
             part.write_currents(component, &self.law(), &mut i);
+            if self.elements.iter().any(|e| matches!(e, Element::Winding { from_state: false, .. })) {
+                component.currents_by_voltages(&self.law(), &mut i);
+            }
         }
         let law = |e: &Element| matches!(e, Element::Characteristic { .. });
         let mut at = 0;
@@ -396,7 +395,7 @@ impl Point {
             [x, y, z] => product(self.orientation, turn([x, y, z])),
             _ => self.orientation,
         };
-        let joint = self.joint.iter().map(|joint| JointMotion { q: joint.q + h * joint.w, ..*joint });
+        let joint = self.joint.iter().map(|joint| JointMotion { q: joint.q + h * joint.w, w: joint.w });
         let frames = self.frames.iter().zip(&self.turned).map(|(frame, p)| FrameMotion {
             rotation: matrix(product(turn(frame.angular.map(|w| h * w)), *p)),
             position: [0, 1, 2].map(|k| frame.position[k] + h * frame.velocity[k]),

@@ -22,7 +22,7 @@ impl Handle {
 pub struct ElementPlace {
     /// The name of the element.
     pub handle: Handle,
-    /// Its first two-pin, as [`Law`](super::Law) counts them.
+    /// Its first two-pin, as [`Flowing`](super::Flowing) counts them.
     pub two_pin: usize,
     /// Its number among the characteristics of the part, if it is one.
     pub characteristic: Option<usize>,

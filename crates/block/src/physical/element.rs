@@ -60,7 +60,7 @@ pub enum Element {
         c: usize,
     },
     /// Dry friction between two mechanical ports of one domain, that sticks: [`Component::grips`](super::Component::grips) gives what it can hold and its
-    /// torque while it slides; the network chooses between forward, backward and stuck ([`Law::mode`](super::Law::mode)).
+    /// torque while it slides; the network chooses between forward, backward and stuck ([`Moving::mode`](super::Moving::mode)).
     Friction {
         /// Rod.
         r: usize,
@@ -251,7 +251,7 @@ pub enum Element {
         /// Star point.
         n: Pin,
     },
-    /// A three-phase winding that is symmetric and has inductance; it sees [`Law::supply`](super::Law::supply) and gives
+    /// A three-phase winding that is symmetric and has inductance; it sees [`Fed::supply`](super::Fed::supply) and gives
     /// [`Component::line_current`](super::Component::line_current).
     ///
     /// With `ends` it is three separate windings from the phases of `ac` to those of `ends`; voltages and currents are
@@ -303,7 +303,7 @@ pub enum Element {
         /// At least one; at most one of them is [`Freedom::Ball`].
         freedoms: Vec<Freedom>,
     },
-    /// Looks at the motion of a frame: [`Law::frames`](super::Law::frames).
+    /// Looks at the motion of a frame: [`Moving::frames`](super::Moving::frames).
     FrameProbe {
         /// Frame port.
         frame: usize,

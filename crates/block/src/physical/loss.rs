@@ -27,7 +27,7 @@ pub enum LossModel {
         threshold: f64,
     },
     /// The full loss at any speed, and truly stuck at rest; [`Component::mesh_losses`](super::Component::mesh_losses) gives it, the efficiencies
-    /// beside are not looked at. The network chooses between forward, backward and stuck ([`Law::mode`](super::Law::mode)).
+    /// beside are not looked at. The network chooses between forward, backward and stuck ([`Moving::mode`](super::Moving::mode)).
     Stiction,
 }
 

@@ -30,7 +30,7 @@ pub use effort::{Grip, Stop, Torque, Wrench};
 pub use element::{Element, ValveKind};
 pub use energy::Energy;
 pub use freedom::{Axis, Freedom};
-pub use law::{FrameMotion, JointMotion, Law};
+pub use law::{Fed, Flowing, FrameAcceleration, FrameMotion, JointLoad, JointMotion, Known, Loaded, Moving};
 pub use loss::{DryMesh, LossModel, MeshLoss};
 pub use part::{HEAT, Needs, Part};
 pub use port::{Domain, PhysicalPort, Pin};

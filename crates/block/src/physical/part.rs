@@ -3,7 +3,7 @@
 use blocksim_scene::Shape;
 use blocksim_signal::Unit;
 
-use super::{Component, Domain, Element, Gives, Handle, Law, PhysicalPort, Pin, Reading};
+use super::{Component, Domain, Element, Gives, Handle, Moving, PhysicalPort, Pin, Reading};
 use crate::event::{Change, Event, FRICTION};
 use crate::{Crossing, Discrete, Guard, Input, Interface, Output, State};
 
@@ -306,7 +306,7 @@ impl Part {
     }
 
     /// Writes the voltage of each source and capacitance, V.
-    pub fn write_voltages(&self, component: &dyn Component, law: &Law, v: &mut [f64]) {
+    pub fn write_voltages(&self, component: &dyn Component, law: &Moving, v: &mut [f64]) {
         if self.voltages.is_empty() {
             component.voltages(law, v);
         } else {
@@ -315,7 +315,7 @@ impl Part {
     }
 
     /// Writes the current of each winding and current source, A.
-    pub fn write_currents(&self, component: &dyn Component, law: &Law, i: &mut [f64]) {
+    pub fn write_currents(&self, component: &dyn Component, law: &Moving, i: &mut [f64]) {
         if self.currents.is_empty() {
             component.currents(law, i);
         } else {

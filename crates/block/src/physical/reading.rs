@@ -1,9 +1,9 @@
 //! Outputs of components that are numbers of the network, and voltages and currents that they give as they find them.
 
-use super::{Handle, Law, Needs};
+use super::{Flowing, Handle, Known, Loaded, Moving, Needs};
 
 /// A number that the network has for a component, for outputs that are just that: see [`Part::reads`](super::Part::reads). Lists are
-/// numbered as in [`Law`].
+/// numbered as in [`Moving`], [`Flowing`] and [`Loaded`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reading {
     /// A state of the component.
@@ -40,23 +40,46 @@ impl Reading {
         }
     }
 
+    /// The number, in SI units; not a number if it [needs](Self::needs) more.
+    ///
+    /// # Panics
+    /// Panics if the component has no such state, speed or joint.
+    #[inline]
+    pub fn of_state(self, c: &Moving) -> f64 {
+        match self {
+            Self::State(i) => c.x[i],
+            Self::Speed(i) => c.speed[i],
+            Self::JointPosition(i) => c.joint[i].q,
+            Self::JointSpeed(i) => c.joint[i].w,
+            _ => f64::NAN,
+        }
+    }
+
+    /// The number, in SI units; not a number if it [needs](Self::needs) more, or where there is no such element.
+    ///
+    /// # Panics
+    /// Panics if the component has no such state, speed or joint.
+    #[inline]
+    pub fn of_electrics(self, c: &Flowing) -> f64 {
+        match self {
+            Self::Voltage(handle) => c.voltage(handle),
+            Self::Current(handle) => c.current(handle),
+            _ => self.of_state(c),
+        }
+    }
+
     /// The number, in SI units; not a number where there is no such element.
     ///
     /// # Panics
     /// Panics if the component has no such state, speed, gear or joint.
     #[inline]
-    pub fn of(self, law: &Law) -> f64 {
+    pub fn of_motion(self, c: &Loaded) -> f64 {
         match self {
-            Self::State(i) => law.x[i],
-            Self::Speed(i) => law.speed[i],
-            Self::Acceleration(i) => law.acceleration[i],
-            Self::Torque(i) => law.torque[i],
-            Self::Mesh(i) => law.mesh[i],
-            Self::Voltage(handle) => law.voltage(handle),
-            Self::Current(handle) => law.current(handle),
-            Self::JointPosition(i) => law.joint[i].q,
-            Self::JointSpeed(i) => law.joint[i].w,
-            Self::JointAcceleration(i) => law.joint[i].a,
+            Self::Acceleration(i) => c.acceleration[i],
+            Self::Torque(i) => c.torque[i],
+            Self::Mesh(i) => c.mesh[i],
+            Self::JointAcceleration(i) => c.joint_load[i].a,
+            _ => self.of_electrics(c),
         }
     }
 }
@@ -76,10 +99,10 @@ impl Gives {
     /// # Panics
     /// Panics if the component has no such state or input.
     #[inline]
-    pub fn of(self, law: &Law) -> f64 {
+    pub fn of(self, c: &Known) -> f64 {
         match self {
-            Self::State(i) => law.x[i],
-            Self::Input(port) => law.scalar(port),
+            Self::State(i) => c.x[i],
+            Self::Input(port) => c.scalar(port),
         }
     }
 }
@@ -87,25 +110,18 @@ impl Gives {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physical::{ElementPlace, JointMotion, Part};
+    use crate::physical::{ElementPlace, JointLoad, JointMotion, Part};
 
     const BODY: Handle = Handle::new("body");
 
     #[test]
     fn each_reading_is_the_number_of_its_name_and_declares_what_it_needs() {
         let places = [ElementPlace { handle: BODY, two_pin: 1, characteristic: None }];
-        let law = Law {
-            x: &[1.0, 2.0],
-            speed: &[3.0],
-            acceleration: &[4.0],
-            torque: &[5.0],
-            mesh: &[6.0],
-            voltage: &[0.0, 7.0],
-            current: &[0.0, 8.0],
-            places: &places,
-            joint: &[JointMotion { q: 9.0, w: 10.0, a: 11.0, drive: 0.0 }],
-            ..Law::nothing()
-        };
+        let mut c = Loaded::NOTHING;
+        (c.x, c.speed, c.joint) = (&[1.0, 2.0], &[3.0], &[JointMotion { q: 9.0, w: 10.0 }]);
+        (c.voltage, c.current, c.places) = (&[0.0, 7.0], &[0.0, 8.0], &places);
+        (c.acceleration, c.torque, c.mesh) = (&[4.0], &[5.0], &[6.0]);
+        c.joint_load = &[JointLoad { a: 11.0, drive: 0.0 }];
         let all = [
             (Reading::State(1), 2.0, Needs::State),
             (Reading::Speed(0), 3.0, Needs::State),
@@ -119,11 +135,13 @@ mod tests {
             (Reading::JointAcceleration(0), 11.0, Needs::Motion),
         ];
         for (reading, value, needs) in all {
-            assert_eq!((reading.of(&law), reading.needs()), (value, needs), "{reading:?}");
+            assert_eq!((reading.of_motion(&c), reading.needs()), (value, needs), "{reading:?}");
+            assert_eq!(reading.of_state(&c) == value, needs == Needs::State, "{reading:?}");
+            assert_eq!(reading.of_electrics(&c) == value, needs != Needs::Motion, "{reading:?}");
             let part = Part::new().measures("other", "1", Needs::Motion, "").reads("y", "1", reading, "");
             assert_eq!(part.readings, [None, Some(reading)]);
             assert_eq!(part.outputs[1].1, needs);
         }
-        assert!(Reading::Voltage(Handle::new("nothing")).of(&law).is_nan());
+        assert!(Reading::Voltage(Handle::new("nothing")).of_motion(&c).is_nan());
     }
 }

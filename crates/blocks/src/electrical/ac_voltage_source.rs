@@ -61,11 +61,11 @@ impl Component for AcVoltageSource {
             .element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
+    fn voltages(&self, c: &Moving, v: &mut [f64]) {
         v[0] = self.amplitude.peak() * (TAU * self.frequency * c.t + self.phase).sin();
     }
 
-    fn voltage_rates(&self, c: &Law, dv: &mut [f64]) {
+    fn voltage_rates(&self, c: &Moving, dv: &mut [f64]) {
         let w = TAU * self.frequency;
         dv[0] = w * self.amplitude.peak() * (w * c.t + self.phase).cos();
     }
@@ -74,14 +74,14 @@ impl Component for AcVoltageSource {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn peak_and_rms_differ_by_the_square_root_of_two() {
         let at = |amplitude: Amplitude| {
             let mut v = [0.0];
             AcVoltageSource { amplitude, frequency: 50.0, phase: 0.0 }
-                .voltages(&Law { t: 5e-3, ..law() }, &mut v);
+                .voltages(&Seen { t: 5e-3, ..law() }.loaded(), &mut v);
             v[0]
         };
         assert!((at(Amplitude::Peak(325.0)) - 325.0).abs() < 1e-12);

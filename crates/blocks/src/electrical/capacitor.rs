@@ -38,11 +38,11 @@ impl Component for Capacitor {
             .reads("v", "V", Reading::State(0), "voltage from p to n")
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.current[0] / self.c;
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::stored(0.5 * self.c * c.x[0] * c.x[0])
     }
 }

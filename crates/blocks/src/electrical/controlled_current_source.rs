@@ -25,7 +25,7 @@ impl Component for ControlledCurrentSource {
             .current_is(Gives::Input(0))
     }
 
-    fn current_rates(&self, c: &Law, di: &mut [f64]) {
+    fn current_rates(&self, c: &Moving, di: &mut [f64]) {
         di[0] = c.scalar(1);
     }
 }

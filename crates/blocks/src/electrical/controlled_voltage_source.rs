@@ -24,7 +24,7 @@ impl Component for ControlledVoltageSource {
             .voltage_is(Gives::Input(0))
     }
 
-    fn voltage_rates(&self, c: &Law, dv: &mut [f64]) {
+    fn voltage_rates(&self, c: &Moving, dv: &mut [f64]) {
         dv[0] = c.scalar(1);
     }
 }
@@ -32,13 +32,13 @@ impl Component for ControlledVoltageSource {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_voltage_is_the_input() {
         let mut v = [0.0];
         let part = ControlledVoltageSource.part(&Given::nothing());
-        part.write_voltages(&ControlledVoltageSource, &Law { u: &[-48.0, 0.0], ..law() }, &mut v);
+        part.write_voltages(&ControlledVoltageSource, &Seen { u: &[-48.0, 0.0], ..law() }.loaded(), &mut v);
         assert_eq!(v[0], -48.0);
     }
 }

@@ -61,7 +61,7 @@ impl Coupled {
     }
 
     /// Slopes of the currents, A/s.
-    pub(super) fn slopes(&self, c: &Law) -> [f64; 2] {
+    pub(super) fn slopes(&self, c: &Flowing) -> [f64; 2] {
         let drop = self.drop(c.x);
         self.change([c.voltage[0] - drop[0], c.voltage[1] - drop[1]])
     }

@@ -65,14 +65,14 @@ impl Component for ExponentialDiode {
             .reads("v", "V", Reading::Voltage(WHOLE), "voltage from p to n")
     }
 
-    fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, _c: &Moving, curves: &mut Characteristics) {
         let v = curves.voltage(JUNCTION);
         let scale = self.scale();
         curves.current(JUNCTION, self.i_s * (v / scale).exp_m1() + self.g * v);
         curves.slope(JUNCTION, JUNCTION, self.i_s / scale * (v / scale).exp() + self.g);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::dissipated(c.voltage(JUNCTION) * c.current(JUNCTION))
     }
 }

@@ -38,7 +38,7 @@ impl Component for IdealTransformer {
             .measures("i2", "A", Needs::Electrics, "current from p2 to n2")
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y.copy_from_slice(&[c.current[0], c.current[1]]);
     }
 }

@@ -29,19 +29,19 @@ impl Component for Inductor {
         if self.i0.is_none() { part.currents_follow() } else { part }
     }
 
-    fn reluctance(&self, _c: &Law, _internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, _c: &Flowing, _internal: &mut [f64], inverse: &mut [f64]) {
         inverse[0] = 1.0 / self.l;
     }
 
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         x[0] += volt_seconds[0] / self.l;
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.voltage[0] / self.l;
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::stored(0.5 * self.l * c.x[0] * c.x[0])
     }
 }

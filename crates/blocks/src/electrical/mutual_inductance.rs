@@ -50,28 +50,28 @@ impl Component for MutualInductance {
         Coupled::part([self.i1_0, self.i2_0])
     }
 
-    fn currents(&self, c: &Law, i: &mut [f64]) {
+    fn currents(&self, c: &Moving, i: &mut [f64]) {
         i.copy_from_slice(c.x);
     }
 
-    fn reluctance(&self, _c: &Law, _internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, _c: &Flowing, _internal: &mut [f64], inverse: &mut [f64]) {
         inverse.copy_from_slice(&self.coils().inverse());
     }
 
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         let change = self.coils().change([volt_seconds[0], volt_seconds[1]]);
         x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx.copy_from_slice(&self.coils().slopes(c));
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         self.coils().energy(c.x)
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         y.copy_from_slice(c.x);
     }
 }

@@ -68,7 +68,7 @@ impl Component for Resistor {
         )
     }
 
-    fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, _c: &Moving, curves: &mut Characteristics) {
         if !self.heat_port {
             return;
         }
@@ -82,7 +82,7 @@ impl Component for Resistor {
         curves.slope(HEAT, HEAT, v * v / (r * r) * by_t);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         // A resistance is booked by the network.
         if self.heat_port { Energy::dissipated(c.voltage(BODY) * c.current(BODY)) } else { Energy::default() }
     }

@@ -78,26 +78,26 @@ impl Component for SaturatingInductor {
             .measures("psi", "Wb", Needs::State, "flux linkage")
     }
 
-    fn reluctance(&self, c: &Law, _internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, c: &Flowing, _internal: &mut [f64], inverse: &mut [f64]) {
         inverse[0] = 1.0 / self.inductance(c.x[0]);
     }
 
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         x[0] = self.current_of(self.linkage(x[0]) + volt_seconds[0]);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.voltage[0] / self.inductance(c.x[0]);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let (i, x) = (c.x[0], (c.x[0] / self.i_s).abs());
         let ln_cosh = x + (-2.0 * x).exp().ln_1p() - std::f64::consts::LN_2;
         let knee = self.i_s * self.i_s * (x * x.tanh() - ln_cosh);
         Energy::stored(0.5 * self.l_s * i * i + (self.l0 - self.l_s) * knee)
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         y.copy_from_slice(&[c.x[0], self.linkage(c.x[0])]);
     }
 }
@@ -105,6 +105,7 @@ impl Component for SaturatingInductor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::testing::Seen;
 
     const COIL: SaturatingInductor = SaturatingInductor { l0: 10e-3, l_s: 0.5e-3, i_s: 4.0, i0: 0.0 };
 
@@ -128,7 +129,7 @@ mod tests {
     fn volt_seconds_add_to_the_linkage() {
         for (before, volt_seconds) in [(0.0, 0.02), (3.0, -0.1), (-6.0, 1.0), (0.0, 1e-9), (2.0, 0.0)] {
             let mut x = [before];
-            COIL.strike(&Law::nothing(), &[volt_seconds], &mut x);
+            COIL.strike(&Seen::NOTHING.loaded(), &[volt_seconds], &mut x);
             let found = COIL.linkage(x[0]) - COIL.linkage(before);
             assert!(
                 (found - volt_seconds).abs() < 1e-15 + 1e-14 * volt_seconds.abs(),

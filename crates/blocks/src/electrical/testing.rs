@@ -1,7 +1,9 @@
 //! What tests of parts with characteristics need.
 
 use blocksim_block::Given;
-use blocksim_block::physical::{Characteristics, Component, Element, ElementPlace, Law};
+use blocksim_block::physical::{Characteristics, Component, Element, ElementPlace};
+
+use crate::mechanics::testing::Seen;
 
 /// Where the named elements of a part lie.
 pub(crate) fn places(component: &dyn Component) -> Vec<ElementPlace> {
@@ -28,7 +30,7 @@ pub(crate) fn characteristic(component: &dyn Component, x: &[f64], v: &[f64]) ->
     let places = places(component);
     let (mut current, mut slope) = (vec![f64::NAN; v.len()], vec![f64::NAN; v.len() * v.len()]);
     let mut view = Characteristics::new(&places, v, &mut current, &mut slope);
-    component.characteristics(&Law { x, places: &places, ..Law::nothing() }, &mut view);
+    component.characteristics(&Seen { x, places: &places, ..Seen::NOTHING }.loaded(), &mut view);
     (current, slope)
 }
 

@@ -64,30 +64,30 @@ impl Component for Transformer {
         Coupled::part([0.0; 2])
     }
 
-    fn currents(&self, c: &Law, i: &mut [f64]) {
+    fn currents(&self, c: &Moving, i: &mut [f64]) {
         i.copy_from_slice(c.x);
     }
 
-    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, c: &Flowing, internal: &mut [f64], inverse: &mut [f64]) {
         let windings = self.windings();
         internal.copy_from_slice(&windings.drop(c.x));
         inverse.copy_from_slice(&windings.inverse());
     }
 
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         let change = self.windings().change([volt_seconds[0], volt_seconds[1]]);
         x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx.copy_from_slice(&self.windings().slopes(c));
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         self.windings().energy(c.x)
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         y.copy_from_slice(c.x);
     }
 }

@@ -39,11 +39,11 @@ impl Component for VariableTransformer {
             .measures("i2", "A", Needs::Electrics, "current from p2 to n2")
     }
 
-    fn ratios(&self, c: &Law, ratio: &mut [f64]) {
+    fn ratios(&self, c: &Known, ratio: &mut [f64]) {
         ratio[0] = c.scalar(0);
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y.copy_from_slice(&[c.current[0], c.current[1]]);
     }
 }

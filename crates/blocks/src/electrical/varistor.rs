@@ -44,7 +44,7 @@ impl Component for Varistor {
             .reads("v", "V", Reading::Voltage(BODY), "voltage from p to n")
     }
 
-    fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, _c: &Moving, curves: &mut Characteristics) {
         let v = curves.voltage(BODY);
         // From the slope, which is even, so that both have the same sign of rounding.
         let slope = self.i_1 / self.v_1 * (v / self.v_1).abs().powf(self.alpha - 1.0);
@@ -52,7 +52,7 @@ impl Component for Varistor {
         curves.slope(BODY, BODY, self.alpha * slope + 1.0 / self.r);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::dissipated(c.voltage(BODY) * c.current(BODY))
     }
 }

@@ -19,7 +19,7 @@ impl Component for VoltageSource {
         Part::new().pins().holds().element(Element::VoltageSource { p: Pin::Port(0), n: Pin::Port(1) })
     }
 
-    fn voltages(&self, _c: &Law, v: &mut [f64]) {
+    fn voltages(&self, _c: &Moving, v: &mut [f64]) {
         v[0] = self.v;
     }
 }

@@ -78,7 +78,7 @@ impl Component for Differential {
         }
     }
 
-    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+    fn mesh_losses(&self, _c: &Flowing, _speed: &[f64], losses: &mut [DryMesh]) {
         let lossy = [self.losses.mesh(), self.inner()].into_iter().filter(|mesh| mesh.element().is_some());
         losses.iter_mut().zip(lossy).for_each(|(to, mesh)| *to = mesh.dry());
     }

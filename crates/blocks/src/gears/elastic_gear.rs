@@ -81,23 +81,23 @@ impl Component for ElasticGear {
         self.shaft().events(part).guards_of_state()
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         tau[0] = self.shaft().load(c.x[0], c.speed[0]);
     }
 
-    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+    fn mesh_losses(&self, _c: &Flowing, _speed: &[f64], losses: &mut [DryMesh]) {
         losses.fill(self.losses.mesh().dry());
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
         self.shaft().guards(c.x[0], c.speed[0], g);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         self.shaft().energy(c.x[0], c.speed[0])
     }
 }

@@ -52,7 +52,7 @@ impl Component for HarmonicDrive {
         self.losses.mesh().part(Domain::Rotational, self.ratio())
     }
 
-    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+    fn mesh_losses(&self, _c: &Flowing, _speed: &[f64], losses: &mut [DryMesh]) {
         losses.fill(self.losses.mesh().dry());
     }
 }

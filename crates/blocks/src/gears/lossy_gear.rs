@@ -116,11 +116,11 @@ impl Component for LossyGear {
             .heat_port(self.heat_port)
     }
 
-    fn mesh_losses(&self, _c: &Law, speed: &[f64], losses: &mut [DryMesh]) {
+    fn mesh_losses(&self, _c: &Flowing, speed: &[f64], losses: &mut [DryMesh]) {
         losses[0] = self.at(speed[0]);
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
         y[..2].copy_from_slice(&[c.mesh[0], f64::from(c.mode[0] == 0.0)]);
     }
 }

@@ -64,7 +64,7 @@ impl Component for PlanetaryGear {
             .element(Element::Gear { base: sun, follower: ring, ratio: -1.0 / g, loss: Some(loss) })
     }
 
-    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+    fn mesh_losses(&self, _c: &Flowing, _speed: &[f64], losses: &mut [DryMesh]) {
         losses.fill(self.losses.mesh().dry());
     }
 }

@@ -30,7 +30,7 @@ impl Component for SimpleGear {
         self.losses.mesh().part(Domain::Rotational, self.direction.ratio(1.0 / self.ratio))
     }
 
-    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+    fn mesh_losses(&self, _c: &Flowing, _speed: &[f64], losses: &mut [DryMesh]) {
         losses.fill(self.losses.mesh().dry());
     }
 }

@@ -89,13 +89,13 @@ impl Component for WormGear {
             .heat_port(self.heat_port)
     }
 
-    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+    fn mesh_losses(&self, _c: &Flowing, _speed: &[f64], losses: &mut [DryMesh]) {
         let [forward, backward] = self.efficiencies();
         let bearing = Torque { value: self.bearing, slope: 0.0 };
         losses[0] = DryMesh { share: [1.0 / forward - 1.0, 1.0 - backward], bearing: [bearing; 2] };
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
         y[..2].copy_from_slice(&[c.mesh[0], f64::from(c.mode[0] == 0.0)]);
     }
 }

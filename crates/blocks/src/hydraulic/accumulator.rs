@@ -80,25 +80,25 @@ impl Component for Accumulator {
             .kink("empty", "takes fluid", "is empty")
     }
 
-    fn characteristics(&self, c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, c: &Moving, curves: &mut Characteristics) {
         curves.current(NECK, (curves.voltage(NECK) - self.gas(c.x[0])) / self.r);
         curves.slope(NECK, NECK, 1.0 / self.r);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.current(NECK);
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
         g[0] = c.x[0];
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let q = c.current(NECK);
         Energy { stored: self.stored(c.x[0]), dissipated: self.r * q * q, ..Energy::default() }
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         y.copy_from_slice(&[c.x[0], self.gas(c.x[0])]);
     }
 }

@@ -52,7 +52,7 @@ impl Component for CheckValve {
             .reads("dp", "Pa", Reading::Voltage(SEAT), "pressure at a above that at b")
     }
 
-    fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, _c: &Moving, curves: &mut Characteristics) {
         let dp = curves.voltage(SEAT);
         let (share, rise) = smooth_share(dp, self.p_open, self.p_full);
         let (span, (q, slope)) = (self.area - self.leakage, self.opening.jet(dp));
@@ -61,7 +61,7 @@ impl Component for CheckValve {
         curves.slope(SEAT, SEAT, area * slope + rise * span * q);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::dissipated(c.voltage(SEAT) * c.current(SEAT))
     }
 }

@@ -79,7 +79,7 @@ impl Component for DirectionalValve {
             .kink("opens_b", "opens from p to b", "closes from p to b")
     }
 
-    fn characteristics(&self, c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, c: &Moving, curves: &mut Characteristics) {
         let [forward, backward] = self.areas(c.scalar(0));
         for (edge, area) in [(P_A, forward), (B_T, forward), (P_B, backward), (A_T, backward)] {
             let (q, slope) = self.opening.jet(curves.voltage(edge));
@@ -88,16 +88,16 @@ impl Component for DirectionalValve {
         }
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
         let s = c.scalar(0);
         g[..2].copy_from_slice(&[s - self.overlap, -s - self.overlap]);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::dissipated([P_A, P_B, A_T, B_T].iter().map(|edge| c.voltage(*edge) * c.current(*edge)).sum())
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y.copy_from_slice(&[c.current(P_A) - c.current(A_T), c.current(P_B) - c.current(B_T)]);
     }
 }

@@ -52,11 +52,11 @@ impl Component for FluidVolume {
             .reads("p", "Pa", Reading::State(0), "pressure")
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.current(FLUID) / self.capacity();
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::stored(0.5 * self.capacity() * c.x[0] * c.x[0])
     }
 }

@@ -92,7 +92,7 @@ impl HydraulicCylinder {
     }
 
     /// Force of the fluid on the rod, N.
-    fn force(&self, c: &Law) -> f64 {
+    fn force(&self, c: &Known) -> f64 {
         self.area_a * c.x[A] - self.area_b * c.x[B]
     }
 }
@@ -132,15 +132,15 @@ impl Component for HydraulicCylinder {
         }
     }
 
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
+    fn voltages(&self, c: &Moving, v: &mut [f64]) {
         v[..2].copy_from_slice(&[c.x[A], c.x[B]]);
     }
 
-    fn currents(&self, c: &Law, i: &mut [f64]) {
+    fn currents(&self, c: &Moving, i: &mut [f64]) {
         i[..2].copy_from_slice(&[self.area_a * c.speed[0], -self.area_b * c.speed[0]]);
     }
 
-    fn torques(&self, c: &Law, f: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, f: &mut [Torque]) {
         let stop = self.travel().load(c.x[X], c.speed[0]);
         // What the piston takes from the fluid, and nothing else, drives it.
         let drive = self.area_a * c.voltage(PISTON_A) - self.area_b * c.voltage(PISTON_B);
@@ -148,23 +148,23 @@ impl Component for HydraulicCylinder {
         f[0] = Torque { value, slope: stop.slope + self.damping };
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         let [of_a, of_b] = self.capacities();
         dx.copy_from_slice(&[c.current(CHAMBER_A) / of_a, c.current(CHAMBER_B) / of_b, c.speed[0]]);
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
         self.travel().guards(c.x[X], c.speed[0], g);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let [of_a, of_b] = self.capacities();
         let stored = 0.5 * (of_a * c.x[A] * c.x[A] + of_b * c.x[B] * c.x[B]);
         let lost = self.damping * c.speed[0] * c.speed[0];
         self.travel().energy(c.x[X], c.speed[0]) + Energy { stored, dissipated: lost, ..Energy::default() }
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         y.copy_from_slice(&[c.x[X], self.force(c), c.x[A], c.x[B]]);
     }
 }
@@ -173,7 +173,7 @@ impl Component for HydraulicCylinder {
 mod tests {
     use super::*;
     use crate::electrical::testing::places;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     const CYLINDER: HydraulicCylinder = HydraulicCylinder {
         area_a: 20e-4,
@@ -195,7 +195,8 @@ mod tests {
     fn at(pressures: [f64; 2], x: f64, v: f64) -> (f64, [f64; 2]) {
         let places = places(&CYLINDER);
         let [a, b] = pressures;
-        let c = Law { x: &[a, b, x], speed: &[v], voltage: &[a, b, a, b], places: &places, ..law() };
+        let seen = Seen { x: &[a, b, x], speed: &[v], voltage: &[a, b, a, b], places: &places, ..law() };
+        let c = seen.loaded();
         let (mut f, mut q) = ([Torque::default()], [0.0; 2]);
         CYLINDER.torques(&c, &mut f);
         CYLINDER.currents(&c, &mut q);

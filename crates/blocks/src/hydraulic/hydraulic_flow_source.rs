@@ -24,13 +24,13 @@ impl Component for HydraulicFlowSource {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_flow_is_the_input() {
         let mut q = [0.0];
         let part = HydraulicFlowSource.part(&Given::nothing());
-        part.write_currents(&HydraulicFlowSource, &Law { u: &[-2e-4], ..law() }, &mut q);
+        part.write_currents(&HydraulicFlowSource, &Seen { u: &[-2e-4], ..law() }.loaded(), &mut q);
         assert_eq!(q, [-2e-4]);
     }
 }

@@ -119,26 +119,26 @@ impl Component for HydraulicPipe {
             .measures("p_b", "Pa", Needs::State, "pressure at b")
     }
 
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
+    fn voltages(&self, c: &Moving, v: &mut [f64]) {
         v[..2].copy_from_slice(&[c.x[A], c.x[B]]);
     }
 
-    fn currents(&self, c: &Law, i: &mut [f64]) {
+    fn currents(&self, c: &Moving, i: &mut [f64]) {
         i[0] = c.x[Q];
     }
 
-    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, c: &Flowing, internal: &mut [f64], inverse: &mut [f64]) {
         internal[0] = self.friction(c.x[Q]);
         inverse[0] = 1.0 / self.inertance();
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         let capacity = self.capacity();
         let q = (c.voltage(COLUMN) - self.friction(c.x[Q])) / self.inertance();
         dx.copy_from_slice(&[c.current(NEAR_A) / capacity, c.current(NEAR_B) / capacity, q]);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let q = c.x[Q];
         let pressed = 0.5 * self.capacity() * (c.x[A] * c.x[A] + c.x[B] * c.x[B]);
         Energy {
@@ -148,7 +148,7 @@ impl Component for HydraulicPipe {
         }
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         y.copy_from_slice(&[c.x[Q], c.x[A], c.x[B]]);
     }
 }

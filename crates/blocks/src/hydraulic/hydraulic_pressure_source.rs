@@ -24,7 +24,7 @@ impl Component for HydraulicPressureSource {
             .measures("q", "m^3/s", Needs::Electrics, "volume flow out of a")
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y[0] = -c.current(GIVEN);
     }
 }
@@ -32,13 +32,13 @@ impl Component for HydraulicPressureSource {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_pressure_is_the_input() {
         let mut p = [0.0];
         let part = HydraulicPressureSource.part(&Given::nothing());
-        part.write_voltages(&HydraulicPressureSource, &Law { u: &[3e6], ..law() }, &mut p);
+        part.write_voltages(&HydraulicPressureSource, &Seen { u: &[3e6], ..law() }.loaded(), &mut p);
         assert_eq!(p, [3e6]);
     }
 }

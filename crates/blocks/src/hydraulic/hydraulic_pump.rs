@@ -51,22 +51,22 @@ impl Component for HydraulicPump {
             .heat_port(self.heat_port)
     }
 
-    fn characteristics(&self, c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, c: &Moving, curves: &mut Characteristics) {
         curves.current(CHAMBERS, self.displacement * c.speed[0] + self.leakage * curves.voltage(CHAMBERS));
         curves.slope(CHAMBERS, CHAMBERS, self.leakage);
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         let value = self.damping * c.speed[0] - self.displacement * c.voltage(CHAMBERS);
         tau[0] = Torque { value, slope: self.damping };
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let (w, dp) = (c.speed[0], c.voltage(CHAMBERS));
         Energy::dissipated(self.damping * w * w + self.leakage * dp * dp)
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y.copy_from_slice(&[c.current(CHAMBERS), -c.voltage(CHAMBERS)]);
     }
 }
@@ -75,6 +75,7 @@ impl Component for HydraulicPump {
 mod tests {
     use super::*;
     use crate::electrical::testing::places;
+    use crate::mechanics::testing::Seen;
 
     const PUMP: HydraulicPump =
         HydraulicPump { displacement: 2.5e-6, leakage: 1e-12, damping: 0.01, heat_port: false };
@@ -83,7 +84,7 @@ mod tests {
     fn the_shaft_gives_the_power_that_the_fluid_takes_and_the_losses() {
         let places = places(&PUMP);
         let (v, mut q, mut slope) = ([-1e7], [0.0], [0.0]);
-        let law = Law { speed: &[150.0], voltage: &v, places: &places, ..Law::nothing() };
+        let law = Seen { speed: &[150.0], voltage: &v, places: &places, ..Seen::NOTHING }.loaded();
         PUMP.characteristics(&law, &mut Characteristics::new(&places, &v, &mut q, &mut slope));
         assert!((q[0] - (3.75e-4 - 1e-5)).abs() < 1e-18, "{q:?}");
         let mut tau = [Torque::default()];

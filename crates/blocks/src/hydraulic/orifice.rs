@@ -36,13 +36,13 @@ impl Component for Orifice {
             .reads("dp", "Pa", Reading::Voltage(EDGE), "pressure at a above that at b")
     }
 
-    fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, _c: &Moving, curves: &mut Characteristics) {
         let (q, slope) = self.opening.jet(curves.voltage(EDGE));
         curves.current(EDGE, self.area * q);
         curves.slope(EDGE, EDGE, self.area * slope);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::dissipated(c.voltage(EDGE) * c.current(EDGE))
     }
 }

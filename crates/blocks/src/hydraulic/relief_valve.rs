@@ -48,7 +48,7 @@ impl Component for ReliefValve {
             .reads("dp", "Pa", Reading::Voltage(SEAT), "pressure at a above that at b")
     }
 
-    fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, _c: &Moving, curves: &mut Characteristics) {
         let dp = curves.voltage(SEAT);
         let (share, rise) = smooth_share(dp, self.p_set, self.p_set + self.regulation);
         let (span, (q, slope)) = (self.area - self.leakage, self.opening.jet(dp));
@@ -57,7 +57,7 @@ impl Component for ReliefValve {
         curves.slope(SEAT, SEAT, area * slope + rise * span * q);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::dissipated(c.voltage(SEAT) * c.current(SEAT))
     }
 }

@@ -26,7 +26,7 @@ impl Component for Tank {
             .reads("q", "m^3/s", Reading::Current(GIVEN), "volume flow into the tank")
     }
 
-    fn voltages(&self, _c: &Law, v: &mut [f64]) {
+    fn voltages(&self, _c: &Moving, v: &mut [f64]) {
         v[0] = self.p;
     }
 }

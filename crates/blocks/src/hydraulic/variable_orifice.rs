@@ -36,7 +36,7 @@ pub struct VariableOrifice {
 }
 
 impl VariableOrifice {
-    fn area(&self, c: &Law) -> f64 {
+    fn area(&self, c: &Known) -> f64 {
         self.leakage + c.scalar(0).clamp(0.0, 1.0) * (self.area - self.leakage)
     }
 }
@@ -49,13 +49,13 @@ impl Component for VariableOrifice {
             .reads("q", "m^3/s", Reading::Current(EDGE), "volume flow from a to b")
     }
 
-    fn characteristics(&self, c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, c: &Moving, curves: &mut Characteristics) {
         let (area, (q, slope)) = (self.area(c), self.opening.jet(curves.voltage(EDGE)));
         curves.current(EDGE, area * q);
         curves.slope(EDGE, EDGE, area * slope);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::dissipated(c.voltage(EDGE) * c.current(EDGE))
     }
 }
@@ -63,13 +63,13 @@ impl Component for VariableOrifice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     const VALVE: VariableOrifice = VariableOrifice { area: 8e-6, leakage: 1e-12, opening: Opening::OIL };
 
     #[test]
     fn the_area_follows_the_signal_between_its_ends() {
-        let at = |s: f64| VALVE.area(&Law { u: &[s], inputs: &[(0, 1)], ..law() });
+        let at = |s: f64| VALVE.area(&Seen { u: &[s], inputs: &[(0, 1)], ..law() }.loaded());
         assert_eq!((at(-1.0), at(0.0)), (1e-12, 1e-12));
         assert!((at(1.0) - 8e-6).abs() < 1e-20 && at(7.0) == at(1.0));
         assert!((at(0.5) - 4e-6).abs() < 1e-11);

@@ -150,7 +150,7 @@ impl AsynchronousMachineByNamePlate {
 mod tests {
     use super::super::asynchronous_machine_outputs as out;
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
     use blocksim_block::physical::Supply;
 
     fn machine(connection: Connection) -> AsynchronousMachineByNamePlate {
@@ -183,10 +183,11 @@ mod tests {
             let x: Vec<f64> = part.states.iter().map(|state| state.initial).collect();
             let amplitude = 400.0 * (2.0_f64 / 3.0).sqrt();
             let supply = Supply { voltage: [amplitude, 0.0], frequency: 50.0, ..Supply::default() };
-            let c = Law { x: &x, speed: &[machine.speed], supply: &supply, ..law() };
+            let seen = Seen { x: &x, speed: &[machine.speed], supply: &supply, ..law() };
+            let c = seen.loaded();
             let mut y = [0.0; out::COUNT];
-            component.measure(&c, Needs::State, &mut y);
-            component.measure(&c, Needs::Electrics, &mut y);
+            component.measure_state(&c, &mut y);
+            component.measure_electrics(&c, &mut y);
             let close = |found: f64, expected: f64| {
                 assert!(
                     (found / expected - 1.0).abs() < 1e-9,

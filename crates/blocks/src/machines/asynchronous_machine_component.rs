@@ -120,7 +120,7 @@ impl Motor {
 
     /// Winding voltage in per unit in the frame of the supply, and its zero sequence.
     #[inline]
-    fn winding_voltage(&self, c: &Law) -> (Complex, f64) {
+    fn winding_voltage(&self, c: &Flowing) -> (Complex, f64) {
         let v = Complex::from_vector(c.supply.voltage.map(|v| self.voltage * v));
         let zero = if self.connection == Connection::Open { c.supply.zero / self.base.v } else { 0.0 };
         (v, zero)
@@ -128,18 +128,18 @@ impl Motor {
 
     /// Speed of the frame of the supply and of the rotor in per unit.
     #[inline]
-    fn speeds(&self, c: &Law) -> (f64, f64) {
+    fn speeds(&self, c: &Fed) -> (f64, f64) {
         (TAU * c.supply.frequency / self.base.w, self.base.speed * c.speed[0])
     }
 
     /// Speed of the supply in per unit where its frequency is known, else of the flux of the rotor.
-    fn field_speed(&self, c: &Law) -> f64 {
+    fn field_speed(&self, c: &Fed) -> f64 {
         let (w, w_r) = self.speeds(c);
         if w == 0.0 { self.machine.rotor_flux_speed(c.x, w_r) } else { w }
     }
 
     /// Slip against the field.
-    fn slip(&self, c: &Law) -> f64 {
+    fn slip(&self, c: &Fed) -> f64 {
         let (w, w_r) = (self.field_speed(c), self.speeds(c).1);
         if w.abs() < STANDSTILL { 0.0 } else { 1.0 - w_r / w }
     }
@@ -171,13 +171,13 @@ impl Component for Motor {
         out::measured(part).heat_port(self.heat_port)
     }
 
-    fn line_current(&self, c: &Law) -> [f64; 3] {
+    fn line_current(&self, c: &Fed) -> [f64; 3] {
         let [d, q] = self.machine.currents(c.x)[0].vector();
         let zero = if self.connection == Connection::Open { self.machine.zero_current(c.x) } else { 0.0 };
         [d, q, zero].map(|i| self.line * i)
     }
 
-    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, c: &Flowing, internal: &mut [f64], inverse: &mut [f64]) {
         let (w, w_r) = self.speeds(c);
         let found = self.machine.reluctance(c.x, w, w_r);
         let [d, q] = found.internal;
@@ -192,7 +192,7 @@ impl Component for Motor {
         inverse.copy_from_slice(&[dd, dq, 0.0, qd, qq, 0.0, 0.0, 0.0, zero].map(|g| to_lines * g));
     }
 
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         let flux = self.base.w * self.voltage;
         x[0] += flux * volt_seconds[0];
         x[1] += flux * volt_seconds[1];
@@ -212,16 +212,16 @@ impl Component for Motor {
         }
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         tau[0] = Torque { value: -self.base.t * self.machine.torque(c.x), slope: 0.0 };
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         let ((v, v_0), (w, w_r)) = (self.winding_voltage(c), self.speeds(c));
         self.machine.derivatives(c.x, v, v_0, w, w_r, dx);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let (field, heat) = self.machine.energy(c.x);
         Energy {
             stored: self.power / self.base.w * field,
@@ -230,53 +230,49 @@ impl Component for Motor {
         }
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         let base = &self.base;
         let i = self.machine.currents(c.x)[0];
-        match needs {
-            Needs::State => {
-                let velocity = base.speed * c.speed[0];
-                y[out::PU_TORQUE] = self.machine.torque(c.x);
-                y[out::TORQUE] = base.t * y[out::PU_TORQUE];
-                y[out::VELOCITY] = c.speed[0];
-                y[out::PU_VELOCITY] = velocity;
-                y[out::SLIP_RATED] = 1.0 - velocity;
-                y[out::PU_CURRENT] = i.abs();
-                y[out::I_RMS] = base.i * mean_square(i, self.machine.zero_current(c.x)).sqrt();
-            }
-            Needs::Electrics => {
-                let ((v, v_0), i_0) = (self.winding_voltage(c), self.machine.zero_current(c.x));
-                y[out::SLIP] = self.slip(c);
-                let p = v.dot(i) + 2.0 * v_0 * i_0;
-                // What magnetises a winding is positive, whichever way the field turns.
-                let q = -v.cross(i) * if self.field_speed(c) < 0.0 { -1.0 } else { 1.0 };
-                let s = 2.0 * (mean_square(v, v_0) * mean_square(i, i_0)).sqrt();
-                let powers = [out::PU_POWER, out::PU_REACTIVE_POWER, out::PU_APPARENT_POWER];
-                let in_watts = [out::POWER, out::REACTIVE_POWER, out::APPARENT_POWER];
-                for ((value, pu), si) in [p, q, s].into_iter().zip(powers).zip(in_watts) {
-                    y[pu] = value;
-                    y[si] = self.power * value;
-                }
-                y[out::POWER_FACTOR] = if s == 0.0 { 0.0 } else { p / s };
-                y[out::PU_VOLTAGE] = v.abs();
-                y[out::V_RMS] = base.v * mean_square(v, v_0).sqrt();
-                // The voltage of a winding in delta leads that of the phase by 30 degrees.
-                let lead = if self.connection == Connection::Delta { FRAC_PI_6 } else { 0.0 };
-                let angle = c.supply.angle + lead - base.w * c.t;
-                let turned = |z: Complex, zero: f64| {
-                    let [d, q] = z.turned(angle).vector();
-                    [d, q, zero]
-                };
-                let places = [
-                    (out::PU_V, out::V, base.v, turned(v, v_0)),
-                    (out::PU_I, out::I, base.i, turned(i, i_0)),
-                ];
-                for (pu, si, unit, values) in places {
-                    y[pu..pu + 3].copy_from_slice(&values);
-                    y[si..si + 3].copy_from_slice(&values.map(|value| unit * value));
-                }
-            }
-            Needs::Motion => {}
+        let velocity = base.speed * c.speed[0];
+        y[out::PU_TORQUE] = self.machine.torque(c.x);
+        y[out::TORQUE] = base.t * y[out::PU_TORQUE];
+        y[out::VELOCITY] = c.speed[0];
+        y[out::PU_VELOCITY] = velocity;
+        y[out::SLIP_RATED] = 1.0 - velocity;
+        y[out::PU_CURRENT] = i.abs();
+        y[out::I_RMS] = base.i * mean_square(i, self.machine.zero_current(c.x)).sqrt();
+    }
+
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
+        let base = &self.base;
+        let i = self.machine.currents(c.x)[0];
+        let ((v, v_0), i_0) = (self.winding_voltage(c), self.machine.zero_current(c.x));
+        y[out::SLIP] = self.slip(c);
+        let p = v.dot(i) + 2.0 * v_0 * i_0;
+        // What magnetises a winding is positive, whichever way the field turns.
+        let q = -v.cross(i) * if self.field_speed(c) < 0.0 { -1.0 } else { 1.0 };
+        let s = 2.0 * (mean_square(v, v_0) * mean_square(i, i_0)).sqrt();
+        let powers = [out::PU_POWER, out::PU_REACTIVE_POWER, out::PU_APPARENT_POWER];
+        let in_watts = [out::POWER, out::REACTIVE_POWER, out::APPARENT_POWER];
+        for ((value, pu), si) in [p, q, s].into_iter().zip(powers).zip(in_watts) {
+            y[pu] = value;
+            y[si] = self.power * value;
+        }
+        y[out::POWER_FACTOR] = if s == 0.0 { 0.0 } else { p / s };
+        y[out::PU_VOLTAGE] = v.abs();
+        y[out::V_RMS] = base.v * mean_square(v, v_0).sqrt();
+        // The voltage of a winding in delta leads that of the phase by 30 degrees.
+        let lead = if self.connection == Connection::Delta { FRAC_PI_6 } else { 0.0 };
+        let angle = c.supply.angle + lead - base.w * c.t;
+        let turned = |z: Complex, zero: f64| {
+            let [d, q] = z.turned(angle).vector();
+            [d, q, zero]
+        };
+        let places =
+            [(out::PU_V, out::V, base.v, turned(v, v_0)), (out::PU_I, out::I, base.i, turned(i, i_0))];
+        for (pu, si, unit, values) in places {
+            y[pu..pu + 3].copy_from_slice(&values);
+            y[si..si + 3].copy_from_slice(&values.map(|value| unit * value));
         }
     }
 }

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use super::super::asynchronous_machine_outputs as out;
 use super::super::induction::samples;
 use super::*;
-use crate::mechanics::testing::law;
+use crate::mechanics::testing::{Seen, law};
 use blocksim_block::in_unit::Measure;
 use blocksim_block::physical::{Supply, from_space_vector, space_vector};
 
@@ -43,14 +43,20 @@ fn start_of(machine: &AsynchronousMachine) -> Vec<f64> {
     part.states.iter().map(|state| state.initial).collect()
 }
 
-fn measured(machine: &AsynchronousMachine, c: &Law) -> [f64; out::COUNT] {
+fn measured(machine: &AsynchronousMachine, c: &Flowing) -> [f64; out::COUNT] {
     let (component, mut y) = (machine.clone().built(), [0.0; out::COUNT]);
-    component.measure(c, Needs::State, &mut y);
-    component.measure(c, Needs::Electrics, &mut y);
+    component.measure_state(c, &mut y);
+    component.measure_electrics(c, &mut y);
     y
 }
 
-fn changes(machine: &AsynchronousMachine, c: &Law) -> Vec<f64> {
+fn with_states<'a>(c: &Loaded<'a>, x: &'a [f64]) -> Loaded<'a> {
+    let mut c = *c;
+    c.x = x;
+    c
+}
+
+fn changes(machine: &AsynchronousMachine, c: &Flowing) -> Vec<f64> {
     let mut change = vec![f64::NAN; c.x.len()];
     Component::derivatives(&machine.clone().built(), c, &mut change);
     change
@@ -78,7 +84,8 @@ fn a_magnetised_start_is_the_steady_state_of_the_equivalent_circuit() {
     for (slip, torque, phase, line, factor) in table {
         let machine = AsynchronousMachine { start: magnetised(slip), ..machine() };
         let psi = start_of(&machine);
-        let c = Law { x: &psi, speed: &[(1.0 - slip) * TAU * 60.0], supply: &mains(), ..law() };
+        let seen = Seen { x: &psi, speed: &[(1.0 - slip) * TAU * 60.0], supply: &mains(), ..law() };
+        let c = seen.loaded();
         let change = changes(&machine, &c);
         assert!(change.iter().all(|change| change.abs() < 1e-10), "slip {slip}: {change:?}");
 
@@ -102,7 +109,7 @@ fn measured_quantities_fit_together() {
     let psi = start_of(&machine);
     let base = samples::base();
     let supply = Supply { angle: TAU * 60.0 * 0.013, ..mains() };
-    let c = Law { t: 0.013, x: &psi, speed: &[0.98 * TAU * 60.0], supply: &supply, ..law() };
+    let c = Seen { t: 0.013, x: &psi, speed: &[0.98 * TAU * 60.0], supply: &supply, ..law() }.loaded();
     let y = measured(&machine, &c);
     let squares = [(out::POWER, out::PU_POWER), (out::REACTIVE_POWER, out::PU_REACTIVE_POWER)];
     for (si, pu) in squares.into_iter().chain([(out::APPARENT_POWER, out::PU_APPARENT_POWER)]) {
@@ -132,10 +139,10 @@ fn in_a_frame_that_stands_still_the_slip_is_that_against_the_flux() {
     let machine = AsynchronousMachine { start: magnetised(0.03), ..machine() };
     let psi = start_of(&machine);
     let supply = Supply { frequency: 0.0, ..mains() };
-    let c = Law { x: &psi, speed: &[0.97 * TAU * 60.0], supply: &supply, ..law() };
+    let c = Seen { x: &psi, speed: &[0.97 * TAU * 60.0], supply: &supply, ..law() }.loaded();
     assert!((measured(&machine, &c)[out::SLIP] - 0.03).abs() < 1e-12);
     let nothing = [0.0; 4];
-    let c = Law { x: &nothing, speed: &[0.0], supply: &supply, ..law() };
+    let c = Seen { x: &nothing, speed: &[0.0], supply: &supply, ..law() }.loaded();
     assert_eq!(measured(&machine, &c)[out::SLIP], 0.0);
 }
 
@@ -144,7 +151,7 @@ fn a_wye_connection_gives_a_third_of_the_torque() {
     let torque = |connection| {
         let machine = AsynchronousMachine { connection, start: magnetised(0.02), ..machine() };
         let psi = start_of(&machine);
-        measured(&machine, &Law { x: &psi, speed: &[0.0], ..law() })[out::TORQUE]
+        measured(&machine, &Seen { x: &psi, speed: &[0.0], ..law() }.loaded())[out::TORQUE]
     };
     let (delta, wye) = (torque(Connection::Delta), torque(Connection::Wye));
     assert!((delta / wye - 3.0).abs() < 1e-12, "{delta}, {wye}");
@@ -157,7 +164,7 @@ fn open_windings_in_delta_are_three_single_phase_windings() {
     let fluxes = [0.3, -0.7, 0.5, 0.4];
     let inside = machine();
     let supply = Supply { voltage: [lines[0], lines[1]], ..Supply::default() };
-    let c = Law { x: &fluxes, speed: &[120.0], supply: &supply, ..law() };
+    let c = Seen { x: &fluxes, speed: &[120.0], supply: &supply, ..law() }.loaded();
     let expected = changes(&inside, &c);
     let inside_lines = inside.clone().built().line_current(&c);
 
@@ -174,7 +181,7 @@ fn open_windings_in_delta_are_three_single_phase_windings() {
     let x: Vec<f64> =
         [turn(fluxes[0], fluxes[1]), turn(fluxes[2], fluxes[3]), [0.0, 0.0]].concat()[..5].to_vec();
     let supply = Supply { voltage: [windings[0], windings[1]], zero: windings[2], ..Supply::default() };
-    let law_open = Law { x: &x, speed: &[120.0], supply: &supply, ..law() };
+    let law_open = Seen { x: &x, speed: &[120.0], supply: &supply, ..law() }.loaded();
     let found = changes(&open, &law_open);
     for k in 0..2 {
         let [d, q] = turn(expected[2 * k], expected[2 * k + 1]);
@@ -200,13 +207,13 @@ fn the_answer_of_the_lines_is_that_of_their_currents() {
         let component = machine.clone().built();
         let x: Vec<f64> = [0.5, -0.9, 0.3, -0.7, 0.2][..start_of(&machine).len()].to_vec();
         let supply = Supply { voltage: [150.0, -60.0], zero: 30.0, frequency: 20.0, angle: 0.4 };
-        let c = Law { x: &x, speed: &[150.0], supply: &supply, ..law() };
+        let c = Seen { x: &x, speed: &[150.0], supply: &supply, ..law() }.loaded();
         let (mut internal, mut inverse) = ([0.0; 3], [0.0; 9]);
         component.reluctance(&c, &mut internal, &mut inverse);
         let drop = [150.0 - internal[0], -60.0 - internal[1], 30.0 - internal[2]];
         let after: Vec<f64> =
             x.iter().zip(changes(&machine, &c)).map(|(x, change)| x + 1e-9 * change).collect();
-        let (before, after) = (component.line_current(&c), component.line_current(&Law { x: &after, ..c }));
+        let (before, after) = (component.line_current(&c), component.line_current(&with_states(&c, &after)));
         for k in 0..if connection == Connection::Open { 3 } else { 2 } {
             let expected = (after[k] - before[k]) / 1e-9;
             let found: f64 = inverse[3 * k..3 * k + 3].iter().zip(drop).map(|(g, v)| g * v).sum();
@@ -223,13 +230,13 @@ fn volt_seconds_change_the_currents_by_the_transient_inductance() {
     let machine = AsynchronousMachine { connection: Connection::Open, ..machine() };
     let component = machine.clone().built();
     let x = [0.5, -0.9, 0.3, -0.7, 0.2];
-    let c = Law { x: &x, speed: &[150.0], ..law() };
+    let c = Seen { x: &x, speed: &[150.0], ..law() }.loaded();
     let (mut internal, mut inverse) = ([0.0; 3], [0.0; 9]);
     component.reluctance(&c, &mut internal, &mut inverse);
     let impulse = [0.1, -0.2, 0.05];
     let mut struck = x;
     component.strike(&c, &impulse, &mut struck);
-    let (before, after) = (component.line_current(&c), component.line_current(&Law { x: &struck, ..c }));
+    let (before, after) = (component.line_current(&c), component.line_current(&with_states(&c, &struck)));
     for k in 0..3 {
         let expected: f64 = inverse[3 * k..3 * k + 3].iter().zip(impulse).map(|(g, v)| g * v).sum();
         assert!((after[k] - before[k] - expected).abs() < 1e-9, "{after:?} {before:?} {expected}");
@@ -243,7 +250,7 @@ fn without_zero_sequence_open_windings_draw_none() {
     let x = start_of(&machine);
     assert_eq!(x.len(), 4);
     let supply = Supply { zero: 50.0, ..mains() };
-    let c = Law { x: &x, speed: &[0.0], supply: &supply, ..law() };
+    let c = Seen { x: &x, speed: &[0.0], supply: &supply, ..law() }.loaded();
     let component = machine.clone().built();
     assert_eq!(component.line_current(&c)[2], 0.0);
     let (mut internal, mut inverse) = ([f64::NAN; 3], [f64::NAN; 9]);
@@ -257,7 +264,8 @@ fn a_circulating_current_of_a_delta_decays_by_itself() {
     let machine = AsynchronousMachine { start, ..machine() };
     let psi = start_of(&machine);
     assert_eq!(psi, [0.5, 0.0, 0.4, 0.1, 0.1]);
-    let c = Law { x: &psi, speed: &[0.0], supply: &mains(), ..law() };
+    let seen = Seen { x: &psi, speed: &[0.0], supply: &mains(), ..law() };
+    let c = seen.loaded();
     let rate = 0.25 / 0.9 * TAU * 60.0;
     assert!((changes(&machine, &c)[4] + 0.1 * rate).abs() < 1e-12);
     assert_eq!(machine.clone().built().line_current(&c)[2], 0.0);
@@ -269,7 +277,7 @@ fn a_machine_can_be_magnetised_by_direct_current() {
     let machine = AsynchronousMachine { start, ..machine() };
     let supply = Supply { voltage: [4.4 * (2.0_f64 / 3.0).sqrt(), 0.0], ..Supply::default() };
     let psi = start_of(&machine);
-    let c = Law { x: &psi, speed: &[0.0], supply: &supply, ..law() };
+    let c = Seen { x: &psi, speed: &[0.0], supply: &supply, ..law() }.loaded();
     assert!(changes(&machine, &c).iter().all(|change| change.abs() < 1e-12));
     assert!(psi[0] > 0.0 && measured(&machine, &c)[out::TORQUE] == 0.0);
 }

@@ -55,12 +55,12 @@ pub struct DcMotor {
 
 impl DcMotor {
     /// Current from `p` to `n`, A.
-    fn current(&self, c: &Law) -> f64 {
+    fn current(&self, c: &Flowing) -> f64 {
         if self.l > 0.0 { c.x[0] } else { (c.voltage[0] - self.k * c.speed[0]) / self.resistance(c) }
     }
 
     /// Resistance of the winding, ohm.
-    fn resistance(&self, c: &Law) -> f64 {
+    fn resistance(&self, c: &Flowing) -> f64 {
         self.warm.resistance(self.r, c)
     }
 
@@ -103,20 +103,20 @@ impl Component for DcMotor {
         }
     }
 
-    fn currents(&self, c: &Law, i: &mut [f64]) {
+    fn currents_by_voltages(&self, c: &Flowing, i: &mut [f64]) {
         i[0] = self.current(c);
     }
 
-    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, c: &Flowing, internal: &mut [f64], inverse: &mut [f64]) {
         internal[0] = self.resistance(c) * c.x[0] + self.k * c.speed[0];
         inverse[0] = 1.0 / self.l;
     }
 
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         x[0] += volt_seconds[0] / self.l;
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         // Without inductance the back EMF damps as k^2/R does.
         let braking = if self.l > 0.0 { 0.0 } else { self.k * self.k / self.resistance(c) };
         tau[0] = Torque {
@@ -125,17 +125,17 @@ impl Component for DcMotor {
         };
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         if self.l > 0.0 {
             dx[0] = (c.voltage[0] - self.resistance(c) * c.x[0] - self.k * c.speed[0]) / self.l;
         }
     }
 
-    fn linearize(&self, law: &Law, a: &mut [f64], b: &mut [f64], c: &mut [f64]) {
+    fn linearize(&self, law: &Flowing, a: &mut [f64], b: &mut [f64], c: &mut [f64]) {
         (a[0], b[0], c[0]) = (-self.resistance(law) / self.l, -self.k / self.l, -self.k);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let (i, w) = (self.current(c), c.speed[0]);
         Energy {
             stored: 0.5 * self.l * i * i,
@@ -144,16 +144,16 @@ impl Component for DcMotor {
         }
     }
 
-    fn heats(&self, c: &Law, dissipated: f64, q: &mut [f64]) {
+    fn heats(&self, c: &Flowing, dissipated: f64, q: &mut [f64]) {
         let i = self.current(c);
         self.warm.heats(self.resistance(c) * i * i, dissipated, q);
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
         self.warm.guards(c, g);
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y[0] = self.current(c);
     }
 }
@@ -161,14 +161,14 @@ impl Component for DcMotor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     const MOTOR: DcMotor =
         DcMotor { r: 1.5, l: 2.5e-3, k: 0.2, j: 5e-5, damping: 0.01, i0: 3.0, warm: WarmWinding::NONE };
 
     #[test]
     fn with_inductance_the_current_is_a_state() {
-        let c = Law { x: &[4.0], voltage: &[48.0], speed: &[100.0], ..law() };
+        let c = Seen { x: &[4.0], voltage: &[48.0], speed: &[100.0], ..law() }.loaded();
         let (mut tau, mut dx) = ([Torque::default()], [0.0]);
         MOTOR.torques(&c, &mut tau);
         Component::derivatives(&MOTOR, &c, &mut dx);
@@ -180,9 +180,9 @@ mod tests {
     #[test]
     fn without_inductance_the_current_follows_from_voltage_and_speed() {
         let motor = DcMotor { l: 0.0, i0: 0.0, ..MOTOR };
-        let c = Law { voltage: &[48.0], speed: &[90.0], ..law() };
+        let c = Seen { voltage: &[48.0], speed: &[90.0], ..law() }.loaded();
         let (mut tau, mut i) = ([Torque::default()], [0.0]);
-        motor.currents(&c, &mut i);
+        motor.currents_by_voltages(&c, &mut i);
         motor.torques(&c, &mut tau);
         assert!((i[0] - 20.0).abs() < 1e-13);
         assert!((tau[0].value - (0.9 - 4.0)).abs() < 1e-13);
@@ -198,7 +198,7 @@ mod tests {
         let places = crate::electrical::testing::places(&motor);
         // Winding, then the temperatures of both ports: 50 K above the reference.
         let voltage = [48.0, 343.15, 300.0];
-        let c = Law { x: &[4.0], voltage: &voltage, speed: &[100.0], places: &places, ..law() };
+        let c = Seen { x: &[4.0], voltage: &voltage, speed: &[100.0], places: &places, ..law() }.loaded();
         let mut dx = [0.0];
         Component::derivatives(&motor, &c, &mut dx);
         assert!((dx[0] - (48.0 - 1.8 * 4.0 - 20.0) / 2.5e-3).abs() < 1e-9);

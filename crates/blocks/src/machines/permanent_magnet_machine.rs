@@ -86,23 +86,23 @@ const THETA: usize = 2;
 
 impl PermanentMagnetMachine {
     /// Torque on the rotor, N*m.
-    fn torque(&self, c: &Law) -> f64 {
+    fn torque(&self, c: &Known) -> f64 {
         let (i_d, i_q) = (c.x[I_D], c.x[I_Q]);
         1.5 * f64::from(self.pole_pairs) * (self.flux + (self.l_d - self.l_q) * i_d) * i_q
     }
 
     /// Resistance of a phase, ohm.
-    fn resistance(&self, c: &Law) -> f64 {
+    fn resistance(&self, c: &Flowing) -> f64 {
         self.warm.resistance(self.r_s, c)
     }
 
     /// Electrical speed of the rotor, rad/s.
-    fn w_e(&self, c: &Law) -> f64 {
+    fn w_e(&self, c: &Moving) -> f64 {
         f64::from(self.pole_pairs) * c.speed[0]
     }
 
     /// Phase voltage in the frame of the rotor, V.
-    fn voltage(&self, c: &Law) -> Vector {
+    fn voltage(&self, c: &Flowing) -> Vector {
         turned(c.supply.voltage, c.supply.angle - c.x[THETA])
     }
 
@@ -133,12 +133,12 @@ impl Component for PermanentMagnetMachine {
         self.warm.part(part)
     }
 
-    fn line_current(&self, c: &Law) -> [f64; 3] {
+    fn line_current(&self, c: &Fed) -> [f64; 3] {
         let [d, q] = turned([c.x[I_D], c.x[I_Q]], c.x[THETA] - c.supply.angle);
         [d, q, 0.0]
     }
 
-    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, c: &Flowing, internal: &mut [f64], inverse: &mut [f64]) {
         // v - u = L di/dt in the frame of the rotor, whose turning itself changes the currents of the supply's frame.
         let (w_e, turn) = (self.w_e(c), c.x[THETA] - c.supply.angle);
         let (i_d, i_q) = (c.x[I_D], c.x[I_Q]);
@@ -165,17 +165,17 @@ impl Component for PermanentMagnetMachine {
         ]);
     }
 
-    fn strike(&self, c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         let [d, q] = turned([volt_seconds[0], volt_seconds[1]], c.supply.angle - c.x[THETA]);
         x[I_D] += d / self.l_d;
         x[I_Q] += q / self.l_q;
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         tau[0] = Torque { value: -self.torque(c), slope: 0.0 };
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         let ([v_d, v_q], w_e) = (self.voltage(c), self.w_e(c));
         let (i_d, i_q, r_s) = (c.x[I_D], c.x[I_Q], self.resistance(c));
         dx[I_D] = (v_d - r_s * i_d + w_e * self.l_q * i_q) / self.l_d;
@@ -183,7 +183,7 @@ impl Component for PermanentMagnetMachine {
         dx[THETA] = w_e;
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         // The magnets bring a constant, which is left out.
         let (i_d, i_q) = (c.x[I_D], c.x[I_Q]);
         Energy {
@@ -193,26 +193,24 @@ impl Component for PermanentMagnetMachine {
         }
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
         self.warm.guards(c, g);
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => y[..4].copy_from_slice(&[self.torque(c), c.x[I_D], c.x[I_Q], c.x[THETA]]),
-            Needs::Electrics => {
-                let [v_d, v_q] = self.voltage(c);
-                y[4] = 1.5 * (v_d * c.x[I_D] + v_q * c.x[I_Q]);
-            }
-            Needs::Motion => {}
-        }
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y[..4].copy_from_slice(&[self.torque(c), c.x[I_D], c.x[I_Q], c.x[THETA]]);
+    }
+
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
+        let [v_d, v_q] = self.voltage(c);
+        y[4] = 1.5 * (v_d * c.x[I_D] + v_q * c.x[I_Q]);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
     use blocksim_block::physical::Supply;
 
     const MACHINE: PermanentMagnetMachine = PermanentMagnetMachine {
@@ -235,7 +233,7 @@ mod tests {
     #[test]
     fn the_voltage_in_the_frame_of_the_rotor_is_that_of_the_phases() {
         let supply = Supply { voltage: turned([100.0, 0.0], 0.4), zero: 0.0, frequency: 50.0, angle: 1.1 };
-        let c = Law { x: &[0.0, 0.0, 2.3], supply: &supply, ..law() };
+        let c = Seen { x: &[0.0, 0.0, 2.3], supply: &supply, ..law() }.loaded();
         let v = MACHINE.voltage(&c);
         // Phases b and c are a third of a turn behind.
         for lag in [0.0, 1.0, 2.0].map(|third| third * std::f64::consts::TAU / 3.0) {
@@ -249,7 +247,7 @@ mod tests {
     fn the_frame_of_the_supply_does_not_matter() {
         let see = |offset: f64, angle: f64| {
             let supply = Supply { voltage: turned([100.0, 0.0], offset), zero: 0.0, frequency: 50.0, angle };
-            let c = Law { x: &[3.0, 7.0, 2.3], speed: &[20.0], supply: &supply, ..law() };
+            let c = Seen { x: &[3.0, 7.0, 2.3], speed: &[20.0], supply: &supply, ..law() }.loaded();
             let mut dx = [0.0; 3];
             Component::derivatives(&MACHINE, &c, &mut dx);
             let [d, q, _] = MACHINE.line_current(&c);
@@ -263,16 +261,16 @@ mod tests {
     #[test]
     fn the_lines_give_the_power_that_the_windings_take() {
         let supply = Supply { voltage: turned([80.0, 0.0], -0.2), zero: 0.0, frequency: 30.0, angle: 5.0 };
-        let c = Law { x: &[-2.0, 6.0, 4.1], speed: &[20.0], supply: &supply, ..law() };
+        let c = Seen { x: &[-2.0, 6.0, 4.1], speed: &[20.0], supply: &supply, ..law() }.loaded();
         let mut y = [0.0; 5];
-        MACHINE.measure(&c, Needs::Electrics, &mut y);
+        MACHINE.measure_electrics(&c, &mut y);
         let delivered = crate::three_phase::three_phase_source::delivered(&supply, MACHINE.line_current(&c));
         assert!((y[4] - delivered).abs() < 1e-11, "{} != {delivered}", y[4]);
     }
 
     #[test]
     fn buried_magnets_give_reluctance_torque_for_a_negative_current_along_them() {
-        let torque = |i_d: f64| MACHINE.torque(&Law { x: &[i_d, 10.0, 0.0], ..law() });
+        let torque = |i_d: f64| MACHINE.torque(&Seen { x: &[i_d, 10.0, 0.0], ..law() }.loaded());
         assert!((torque(0.0) - 7.2).abs() < 1e-14);
         assert!((torque(-10.0) - (7.2 + 6.0 * 0.14)).abs() < 1e-14);
     }

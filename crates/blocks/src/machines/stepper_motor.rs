@@ -78,18 +78,18 @@ impl StepperMotor {
     }
 
     /// Angle of the rotor, rad: the last of the states.
-    fn theta(c: &Law) -> f64 {
+    fn theta(c: &Known) -> f64 {
         c.x[c.x.len() - 1]
     }
 
     /// Torque of each phase for each ampere, N*m/A, which is also its induced voltage for each rad/s.
-    fn constants(&self, c: &Law) -> [f64; 2] {
+    fn constants(&self, c: &Known) -> [f64; 2] {
         let (sin, cos) = (self.n() * Self::theta(c)).sin_cos();
         [-self.k * sin, self.k * cos]
     }
 
-    /// Currents of both phases, A.
-    fn phase_currents(&self, c: &Law) -> [f64; 2] {
+    /// Currents of both phases, A; without inductance they follow from the voltages.
+    fn phase_currents(&self, c: &Flowing) -> [f64; 2] {
         if self.l > 0.0 {
             return [c.x[0], c.x[1]];
         }
@@ -102,9 +102,9 @@ impl StepperMotor {
         self.damping + self.g_m * self.k * self.k
     }
 
-    /// Torque of currents, magnets and losses in the iron on the rotor, N*m.
-    fn torque(&self, c: &Law) -> f64 {
-        let ([i_a, i_b], [k_a, k_b]) = (self.phase_currents(c), self.constants(c));
+    /// Torque of these currents, magnets and losses in the iron on the rotor, N*m.
+    fn torque(&self, c: &Moving, [i_a, i_b]: [f64; 2]) -> f64 {
+        let [k_a, k_b] = self.constants(c);
         let detent = self.detent * (4.0 * self.n() * Self::theta(c)).sin();
         k_a * i_a + k_b * i_b - detent - self.g_m * self.k * self.k * c.speed[0]
     }
@@ -158,11 +158,17 @@ impl Component for StepperMotor {
             .heat_port(self.heat_port)
     }
 
-    fn currents(&self, c: &Law, i: &mut [f64]) {
+    fn currents(&self, c: &Moving, i: &mut [f64]) {
+        if self.l > 0.0 {
+            i.copy_from_slice(&c.x[..2]);
+        }
+    }
+
+    fn currents_by_voltages(&self, c: &Flowing, i: &mut [f64]) {
         i.copy_from_slice(&self.phase_currents(c));
     }
 
-    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, c: &Flowing, internal: &mut [f64], inverse: &mut [f64]) {
         let k = self.constants(c);
         for phase in 0..2 {
             internal[phase] = self.r * c.x[phase] + k[phase] * c.speed[0];
@@ -170,18 +176,20 @@ impl Component for StepperMotor {
         inverse.copy_from_slice(&[1.0 / self.l, 0.0, 0.0, 1.0 / self.l]);
     }
 
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         x.iter_mut().zip(volt_seconds).for_each(|(i, flux)| *i += flux / self.l);
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         // Without inductance the induced voltages damp as k^2/R does: sin^2 + cos^2 = 1.
         let induced = if self.l > 0.0 { 0.0 } else { self.k * self.k / self.r };
-        tau[0] =
-            Torque { value: self.damping * c.speed[0] - self.torque(c), slope: self.braking() + induced };
+        tau[0] = Torque {
+            value: self.damping * c.speed[0] - self.torque(c, self.phase_currents(c)),
+            slope: self.braking() + induced,
+        };
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         if self.l > 0.0 {
             let k = self.constants(c);
             for phase in 0..2 {
@@ -191,7 +199,7 @@ impl Component for StepperMotor {
         dx[c.x.len() - 1] = c.speed[0];
     }
 
-    fn linearize(&self, law: &Law, a: &mut [f64], b: &mut [f64], c: &mut [f64]) {
+    fn linearize(&self, law: &Flowing, a: &mut [f64], b: &mut [f64], c: &mut [f64]) {
         let ([i_a, i_b], [k_a, k_b]) = (self.phase_currents(law), self.constants(law));
         let (n, w, theta) = (self.n(), law.speed[0], Self::theta(law));
         // Turning exchanges the constants: dk_a/dtheta = -N k_b, dk_b/dtheta = N k_a.
@@ -211,7 +219,7 @@ impl Component for StepperMotor {
         c.copy_from_slice(&[-k_a, -k_b, stiffness]);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let ([i_a, i_b], w, n) = (self.phase_currents(c), c.speed[0], self.n());
         let squares = i_a * i_a + i_b * i_b;
         let magnets = self.detent * (1.0 - (4.0 * n * Self::theta(c)).cos()) / (4.0 * n);
@@ -222,13 +230,20 @@ impl Component for StepperMotor {
         }
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        if needs == Needs::State {
-            y[3] = Self::theta(c);
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y[3] = Self::theta(c);
+        if self.l > 0.0 {
+            let i = [c.x[0], c.x[1]];
+            y[..2].copy_from_slice(&i);
+            y[2] = self.torque(c, i);
         }
-        if (needs == Needs::State) == (self.l > 0.0) {
-            y[..2].copy_from_slice(&self.phase_currents(c));
-            y[2] = self.torque(c);
+    }
+
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
+        if self.l == 0.0 {
+            let i = self.phase_currents(c);
+            y[..2].copy_from_slice(&i);
+            y[2] = self.torque(c, i);
         }
     }
 }
@@ -238,7 +253,7 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     const MOTOR: StepperMotor = StepperMotor {
         teeth: 50,
@@ -256,7 +271,7 @@ mod tests {
     };
 
     fn torque(motor: &StepperMotor, x: [f64; 3]) -> f64 {
-        motor.torque(&Law { x: &x, speed: &[0.0], ..law() })
+        motor.torque(&Seen { x: &x, speed: &[0.0], ..law() }.loaded(), [x[0], x[1]])
     }
 
     #[test]
@@ -290,14 +305,15 @@ mod tests {
     fn what_the_solver_is_told_of_the_stiffness_is_the_slope_of_the_law() {
         let point = |x: [f64; 3], w: f64| {
             let (mut tau, mut dx) = ([Torque::default()], [0.0; 3]);
-            let c = Law { x: &x, voltage: &[3.0, -2.0], speed: &[w], ..law() };
+            let seen = Seen { x: &x, voltage: &[3.0, -2.0], speed: &[w], ..law() };
+            let c = seen.loaded();
             MOTOR.torques(&c, &mut tau);
             Component::derivatives(&MOTOR, &c, &mut dx);
             [dx[0], dx[1], dx[2], tau[0].value]
         };
         let (x, w) = ([0.7, -0.3, 0.013], 20.0);
         let (mut a, mut b, mut c) = ([0.0; 9], [0.0; 3], [0.0; 3]);
-        MOTOR.linearize(&Law { x: &x, speed: &[w], ..law() }, &mut a, &mut b, &mut c);
+        MOTOR.linearize(&Seen { x: &x, speed: &[w], ..law() }.loaded(), &mut a, &mut b, &mut c);
         let slope = |k: usize, row: usize| {
             let h = 1e-6;
             let at = |h: f64| {
@@ -324,7 +340,7 @@ mod tests {
     #[test]
     fn without_inductance_the_currents_follow_from_voltages_and_speed() {
         let motor = StepperMotor { l: 0.0, ..MOTOR };
-        let c = Law { x: &[0.0], voltage: &[2.4, 1.2], speed: &[10.0], ..law() };
+        let c = Seen { x: &[0.0], voltage: &[2.4, 1.2], speed: &[10.0], ..law() }.loaded();
         // At zero, phase A induces nothing and phase B 2.2 V.
         let i = motor.phase_currents(&c);
         assert!((i[0] - 2.0).abs() < 1e-15 && (i[1] - (1.2 - 2.2) / 1.2).abs() < 1e-15, "{i:?}");

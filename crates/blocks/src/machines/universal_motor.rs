@@ -68,25 +68,25 @@ impl Component for UniversalMotor {
             .heat_port(self.heat_port)
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         let value = self.damping * c.speed[0] - self.l_af * c.x[0] * c.x[0];
         tau[0] = Torque { value, slope: self.damping };
     }
 
-    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, c: &Flowing, internal: &mut [f64], inverse: &mut [f64]) {
         internal[0] = (self.r + self.l_af * c.speed[0]) * c.x[0];
         inverse[0] = 1.0 / self.l;
     }
 
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         x[0] += volt_seconds[0] / self.l;
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = (c.voltage[0] - self.r * c.x[0] - self.l_af * c.x[0] * c.speed[0]) / self.l;
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let (i, w) = (c.x[0], c.speed[0]);
         Energy {
             stored: 0.5 * self.l * i * i,
@@ -95,17 +95,15 @@ impl Component for UniversalMotor {
         }
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        if needs == Needs::State {
-            y.copy_from_slice(&[c.x[0], self.l_af * c.x[0] * c.x[0]]);
-        }
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y.copy_from_slice(&[c.x[0], self.l_af * c.x[0] * c.x[0]]);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     const MOTOR: UniversalMotor =
         UniversalMotor { r: 4.0, l: 0.02, l_af: 0.12, j: 1e-4, damping: 1e-4, i0: 0.0, heat_port: false };
@@ -113,11 +111,12 @@ mod tests {
     #[test]
     fn the_torque_is_the_same_for_both_directions_of_the_current() {
         for i in [5.0, -5.0] {
-            let c = Law { x: &[i], voltage: &[20.0 * i], speed: &[50.0], ..law() };
+            let seen = Seen { x: &[i], voltage: &[20.0 * i], speed: &[50.0], ..law() };
+            let c = seen.loaded();
             let (mut tau, mut dx, mut y) = ([Torque::default()], [0.0], [0.0; 2]);
             MOTOR.torques(&c, &mut tau);
             Component::derivatives(&MOTOR, &c, &mut dx);
-            MOTOR.measure(&c, Needs::State, &mut y);
+            MOTOR.measure_state(&c, &mut y);
             assert!((tau[0].value - (5e-3 - 3.0)).abs() < 1e-14);
             assert!((dx[0] - i * (20.0 - 4.0 - 6.0) / 0.02).abs() < 1e-9);
             assert_eq!(y, [i, 3.0]);

@@ -66,7 +66,7 @@ impl WarmWinding {
     /// A resistance at the temperature of the winding; not a number where it would be negative, or where no metal is left: the run ends
     /// there.
     #[inline]
-    pub(crate) fn resistance(&self, r: f64, c: &Law) -> f64 {
+    pub(crate) fn resistance(&self, r: f64, c: &Flowing) -> f64 {
         if !self.heat_port || self.alpha == 0.0 {
             return r;
         }
@@ -85,7 +85,7 @@ impl WarmWinding {
     }
 
     /// The guard of the temperature limit, if there is one.
-    pub(crate) fn guards(&self, c: &Law, g: &mut [f64]) {
+    pub(crate) fn guards(&self, c: &Flowing, g: &mut [f64]) {
         if self.heat_port {
             g[0] = c.voltage(HEAT) - self.t_max;
         }

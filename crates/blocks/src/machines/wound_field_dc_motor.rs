@@ -63,7 +63,7 @@ const FIELD: usize = 1;
 
 impl WoundFieldDcMotor {
     /// Constant of torque and induced voltage, N*m/A.
-    fn k(&self, c: &Law) -> f64 {
+    fn k(&self, c: &Known) -> f64 {
         self.l_af * c.x[FIELD]
     }
 }
@@ -91,29 +91,29 @@ impl Component for WoundFieldDcMotor {
             .heat_port(self.heat_port)
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         let value = self.damping * c.speed[0] - self.k(c) * c.x[ARMATURE];
         tau[0] = Torque { value, slope: self.damping };
     }
 
-    fn reluctance(&self, c: &Law, internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, c: &Flowing, internal: &mut [f64], inverse: &mut [f64]) {
         internal[ARMATURE] = self.r * c.x[ARMATURE] + self.k(c) * c.speed[0];
         internal[FIELD] = self.r_f * c.x[FIELD];
         inverse.copy_from_slice(&[1.0 / self.l, 0.0, 0.0, 1.0 / self.l_f]);
     }
 
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         x[ARMATURE] += volt_seconds[ARMATURE] / self.l;
         x[FIELD] += volt_seconds[FIELD] / self.l_f;
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         let (i, i_f) = (c.x[ARMATURE], c.x[FIELD]);
         dx[ARMATURE] = (c.voltage[ARMATURE] - self.r * i - self.k(c) * c.speed[0]) / self.l;
         dx[FIELD] = (c.voltage[FIELD] - self.r_f * i_f) / self.l_f;
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let (i, i_f, w) = (c.x[ARMATURE], c.x[FIELD], c.speed[0]);
         Energy {
             stored: 0.5 * (self.l * i * i + self.l_f * i_f * i_f),
@@ -122,17 +122,15 @@ impl Component for WoundFieldDcMotor {
         }
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        if needs == Needs::State {
-            y.copy_from_slice(&[c.x[ARMATURE], c.x[FIELD], self.k(c) * c.x[ARMATURE]]);
-        }
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y.copy_from_slice(&[c.x[ARMATURE], c.x[FIELD], self.k(c) * c.x[ARMATURE]]);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     const MOTOR: WoundFieldDcMotor = WoundFieldDcMotor {
         r: 0.5,
@@ -149,11 +147,11 @@ mod tests {
 
     #[test]
     fn the_field_makes_the_constant_of_the_armature() {
-        let c = Law { x: &[10.0, 0.5], voltage: &[240.0, 180.0], speed: &[100.0], ..law() };
+        let c = Seen { x: &[10.0, 0.5], voltage: &[240.0, 180.0], speed: &[100.0], ..law() }.loaded();
         let (mut tau, mut dx, mut y) = ([Torque::default()], [0.0; 2], [0.0; 3]);
         MOTOR.torques(&c, &mut tau);
         Component::derivatives(&MOTOR, &c, &mut dx);
-        MOTOR.measure(&c, Needs::State, &mut y);
+        MOTOR.measure_state(&c, &mut y);
         assert!((tau[0].value - (1.0 - 0.9 * 10.0)).abs() < 1e-13);
         assert!((dx[ARMATURE] - (240.0 - 5.0 - 90.0) / 0.01).abs() < 1e-9);
         assert!((dx[FIELD] - (180.0 - 120.0) / 60.0).abs() < 1e-14);

@@ -59,13 +59,13 @@ impl Component for MagneticCore {
             .measures("b", "T", Needs::Electrics, "flux density")
     }
 
-    fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, _c: &Moving, curves: &mut Characteristics) {
         let (flux, slope) = self.flux(curves.voltage(IRON));
         curves.current(IRON, flux);
         curves.slope(IRON, IRON, slope);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         // The integral of V over the flux is V flux less that of the flux over V.
         let v = c.voltage(IRON);
         let x = self.knee(v).abs();
@@ -77,7 +77,7 @@ impl Component for MagneticCore {
         Energy::stored(v * self.flux(v).0 - coenergy)
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         let flux = c.current(IRON);
         y.copy_from_slice(&[flux, flux / self.area]);
     }
@@ -87,6 +87,7 @@ impl Component for MagneticCore {
 mod tests {
     use super::*;
     use crate::electrical::testing::{characteristic, places, slopes_are_exact};
+    use crate::mechanics::testing::Seen;
 
     const CORE: MagneticCore = MagneticCore { length: 0.2, area: 4e-4, mu_r: 2000.0, saturation: 1.6 };
 
@@ -105,7 +106,8 @@ mod tests {
     #[test]
     fn the_energy_is_the_integral_of_the_potential_over_the_flux() {
         let places = places(&CORE);
-        let at = |v: f64| CORE.energy(&Law { voltage: &[v], places: &places, ..Law::nothing() }).stored;
+        let at =
+            |v: f64| CORE.energy(&Seen { voltage: &[v], places: &places, ..Seen::NOTHING }.loaded()).stored;
         for end in [50.0, 400.0, -900.0] {
             let n = 20_000;
             let sum: f64 = (0..n)

@@ -54,26 +54,27 @@ impl Component for MagneticWinding {
             .heat_port(self.heat_port)
     }
 
-    fn characteristics(&self, c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, c: &Moving, curves: &mut Characteristics) {
         curves.current(COIL, curves.voltage(CORE) / self.turns);
         curves.slope(COIL, CORE, 1.0 / self.turns);
         curves.current(CORE, -c.x[0]);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = (c.voltage(COIL) - self.r * c.current(COIL)) / self.turns;
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let i = c.current(COIL);
         Energy::dissipated(self.r * i * i)
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => y[0] = c.x[0],
-            _ => y[1] = c.current(COIL),
-        }
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y[0] = c.x[0];
+    }
+
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
+        y[1] = c.current(COIL);
     }
 }
 
@@ -81,6 +82,7 @@ impl Component for MagneticWinding {
 mod tests {
     use super::*;
     use crate::electrical::testing::{characteristic, places, slopes_are_exact};
+    use crate::mechanics::testing::Seen;
 
     const WINDING: MagneticWinding = MagneticWinding { turns: 200.0, r: 0.8, flux0: 0.0, heat_port: false };
 
@@ -90,7 +92,8 @@ mod tests {
         assert!((i[0] - 2.5).abs() < 1e-14 && i[1] == -3e-3, "{i:?}");
         slopes_are_exact(&WINDING, &[3e-3], &[12.0, 500.0]);
         let places = places(&WINDING);
-        let law = Law { x: &[3e-3], voltage: &[12.0, 500.0], current: &i, places: &places, ..Law::nothing() };
+        let law = Seen { x: &[3e-3], voltage: &[12.0, 500.0], current: &i, places: &places, ..Seen::NOTHING }
+            .loaded();
         let mut dx = [0.0];
         Component::derivatives(&WINDING, &law, &mut dx);
         assert!((dx[0] - 0.05).abs() < 1e-15);

@@ -25,13 +25,13 @@ impl Component for MmfSource {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_potential_difference_is_the_input() {
         let mut v = [0.0];
         let part = MmfSource.part(&Given::nothing());
-        part.write_voltages(&MmfSource, &Law { u: &[-250.0], ..law() }, &mut v);
+        part.write_voltages(&MmfSource, &Seen { u: &[-250.0], ..law() }.loaded(), &mut v);
         assert_eq!(v, [-250.0]);
     }
 }

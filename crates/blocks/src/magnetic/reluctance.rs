@@ -39,7 +39,7 @@ impl Component for Reluctance {
             .reads("flux", "Wb", Reading::Current(PATH), "flux from p to n")
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let flux = c.voltage(PATH) / self.r;
         Energy::stored(0.5 * self.r * flux * flux)
     }

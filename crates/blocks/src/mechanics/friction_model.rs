@@ -94,7 +94,7 @@ impl Pressed {
     }
 
     /// Heat of a smooth branch with the share as its input; that of friction that sticks is booked by the network.
-    pub(crate) fn energy(&self, c: &Law) -> Energy {
+    pub(crate) fn energy(&self, c: &Flowing) -> Energy {
         match self.model.sticks() {
             true => Energy::default(),
             false => Energy::dissipated(self.smooth(c.scalar(0), c.speed[0]).value * c.speed[0]),
@@ -112,7 +112,7 @@ impl Pressed {
         }
     }
 
-    pub(crate) fn measure(&self, c: &Law, y: &mut [f64]) {
+    pub(crate) fn measure(&self, c: &Loaded, y: &mut [f64]) {
         let locked = c.mode.first().is_some_and(|mode| *mode == 0.0);
         y[..3].copy_from_slice(&[c.torque[0], c.torque[0] * c.speed[0], f64::from(locked)]);
     }

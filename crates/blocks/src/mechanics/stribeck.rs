@@ -41,7 +41,7 @@ impl Stribeck {
     }
 
     /// What a smooth branch transmits; nothing where the friction sticks, which [`grip`](Self::grip) describes.
-    pub(crate) fn loads(&self, c: &Law, load: &mut [Torque]) {
+    pub(crate) fn loads(&self, c: &Flowing, load: &mut [Torque]) {
         if self.model.sticks() {
             return;
         }
@@ -51,7 +51,7 @@ impl Stribeck {
     }
 
     /// Heat of a smooth branch; that of friction that sticks is booked by the network.
-    pub(crate) fn energy(&self, c: &Law) -> Energy {
+    pub(crate) fn energy(&self, c: &Flowing) -> Energy {
         match self.model.sticks() {
             true => Energy::default(),
             false => Energy::dissipated(self.smooth(c.speed[0]).0 * c.speed[0]),
@@ -100,7 +100,7 @@ impl Stribeck {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
     use crate::rotational::RotationalFriction;
 
     const EXAMPLE: Stribeck = Stribeck {
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn on_the_falling_branch_no_damping_is_reported() {
         let mut tau = [Torque::default()];
-        EXAMPLE.loads(&Law { speed: &[0.2], ..law() }, &mut tau);
+        EXAMPLE.loads(&Seen { speed: &[0.2], ..law() }.loaded(), &mut tau);
         assert!(EXAMPLE.smooth(0.2).1 < 0.0);
         assert_eq!(tau[0].slope, 0.0);
     }

@@ -72,7 +72,7 @@ impl Component for CylindricalJoint {
             })
     }
 
-    fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {
         let [slide, turn] = [c.joint[0], c.joint[1]];
         tau[0] = spring(self.slide_stiffness, self.slide_damping, slide.q, slide.w);
         tau[0].value += c.scalar(0);
@@ -80,19 +80,20 @@ impl Component for CylindricalJoint {
         tau[1].value += c.scalar(1);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let [slide, turn] = [c.joint[0], c.joint[1]];
         spring_energy(self.slide_stiffness, self.slide_damping, slide.q, slide.w)
             + spring_energy(self.turn_stiffness, self.turn_damping, turn.q, turn.w)
             + Energy::supplied(c.scalar(0) * slide.w + c.scalar(1) * turn.w)
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         let [slide, turn] = [c.joint[0], c.joint[1]];
-        match needs {
-            Needs::State => y[..4].copy_from_slice(&[slide.q, slide.w, turn.q, turn.w]),
-            Needs::Electrics => {}
-            Needs::Motion => y[4..6].copy_from_slice(&[slide.a, turn.a]),
-        }
+        y[..4].copy_from_slice(&[slide.q, slide.w, turn.q, turn.w]);
+    }
+
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        let [slide, turn] = [c.joint_load[0], c.joint_load[1]];
+        y[4..6].copy_from_slice(&[slide.a, turn.a]);
     }
 }

@@ -38,7 +38,7 @@ impl Component for ExternalForce {
             .element(Element::FrameForce { frame: 0 })
     }
 
-    fn wrenches(&self, c: &Law, f: &mut [Wrench]) {
+    fn wrenches(&self, c: &Moving, f: &mut [Wrench]) {
         let three = |port: usize| [0, 1, 2].map(|k| c.input(port)[k]);
         let (force, torque) = (three(0), three(1));
         f[0] = match self.axes {
@@ -49,7 +49,7 @@ impl Component for ExternalForce {
         };
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let mut f = [Wrench::default()];
         self.wrenches(c, &mut f);
         let frame = &c.frames[0];

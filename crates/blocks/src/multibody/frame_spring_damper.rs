@@ -56,12 +56,12 @@ impl Component for FrameSpringDamper {
             .element(Element::FrameForce { frame: 1 })
     }
 
-    fn wrenches(&self, c: &Law, f: &mut [Wrench]) {
+    fn wrenches(&self, c: &Moving, f: &mut [Wrench]) {
         let (direction, [_, _, pull]) = self.pull(c.frames);
         f.copy_from_slice(&between(&c.frames[0], &c.frames[1], scale(-pull, direction)));
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let [distance, rate, _] = self.pull(c.frames).1;
         let stretch = distance - self.length;
         Energy {
@@ -71,9 +71,7 @@ impl Component for FrameSpringDamper {
         }
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        if needs == Needs::State {
-            y[..3].copy_from_slice(&self.pull(c.frames).1);
-        }
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y[..3].copy_from_slice(&self.pull(c.frames).1);
     }
 }

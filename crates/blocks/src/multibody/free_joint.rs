@@ -61,18 +61,16 @@ impl Component for FreeJoint {
             .element(Element::Joint { base: 0, follower: 1, freedoms })
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => {
-                y[3..7].copy_from_slice(c.orientation);
-                for k in 0..3 {
-                    y[k] = c.joint[k].q;
-                    y[7 + k] = c.joint[k].w;
-                    y[10 + k] = c.joint[3 + k].w;
-                }
-            }
-            Needs::Electrics => {}
-            Needs::Motion => (0..6).for_each(|k| y[13 + k] = c.joint[k].a),
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y[3..7].copy_from_slice(c.orientation);
+        for k in 0..3 {
+            y[k] = c.joint[k].q;
+            y[7 + k] = c.joint[k].w;
+            y[10 + k] = c.joint[3 + k].w;
         }
+    }
+
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        (0..6).for_each(|k| y[13 + k] = c.joint_load[k].a);
     }
 }

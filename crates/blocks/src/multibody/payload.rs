@@ -29,7 +29,7 @@ impl Component for Payload {
             .element(Element::Payload { frame: 0, mass, com, moi, poi })
     }
 
-    fn load(&self, c: &Law) -> f64 {
+    fn load(&self, c: &Known) -> f64 {
         if c.scalar(0) != 0.0 { 1.0 } else { 0.0 }
     }
 }

@@ -77,7 +77,7 @@ impl Component for PlanarJoint {
             .element(Element::Joint { base: 0, follower: 1, freedoms })
     }
 
-    fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {
         for (k, (to, joint)) in tau.iter_mut().zip(c.joint).enumerate() {
             let (stiffness, damping) = self.spring(k);
             *to = spring(stiffness, damping, joint.q, joint.w);
@@ -86,19 +86,20 @@ impl Component for PlanarJoint {
         }
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         (0..3).fold(Energy::default(), |sum, k| {
             let ((stiffness, damping), joint) = (self.spring(k), c.joint[k]);
             sum + spring_energy(stiffness, damping, joint.q, joint.w) + Energy::supplied(c.u[k] * joint.w)
         })
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         let [a, b, turn] = [c.joint[0], c.joint[1], c.joint[2]];
-        match needs {
-            Needs::State => y[..6].copy_from_slice(&[a.q, b.q, a.w, b.w, turn.q, turn.w]),
-            Needs::Electrics => {}
-            Needs::Motion => y[6..9].copy_from_slice(&[a.a, b.a, turn.a]),
-        }
+        y[..6].copy_from_slice(&[a.q, b.q, a.w, b.w, turn.q, turn.w]);
+    }
+
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        let [a, b, turn] = [c.joint_load[0], c.joint_load[1], c.joint_load[2]];
+        y[6..9].copy_from_slice(&[a.a, b.a, turn.a]);
     }
 }

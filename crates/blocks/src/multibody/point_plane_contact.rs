@@ -96,26 +96,24 @@ impl Component for PointPlaneContact {
         }
     }
 
-    fn wrenches(&self, c: &Law, f: &mut [Wrench]) {
+    fn wrenches(&self, c: &Moving, f: &mut [Wrench]) {
         f.copy_from_slice(&between(&c.frames[0], &c.frames[1], self.touch(c.frames).force));
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
         let touch = self.touch(c.frames);
         let values = std::iter::once(self.ground().apart(touch.depth, -touch.rise));
         g.iter_mut().zip(values.chain(self.ground().firm(touch.depth))).for_each(|(g, value)| *g = value);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let touch = self.touch(c.frames);
         let grip = self.grip(touch.normal, touch.slip);
         self.ground().energy(touch.depth, -touch.rise) + Energy::dissipated(grip * touch.slip)
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        if needs == Needs::State {
-            let touch = self.touch(c.frames);
-            y[..3].copy_from_slice(&[touch.normal, touch.depth, touch.slip]);
-        }
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        let touch = self.touch(c.frames);
+        y[..3].copy_from_slice(&[touch.normal, touch.depth, touch.slip]);
     }
 }

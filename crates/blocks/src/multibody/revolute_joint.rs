@@ -105,22 +105,22 @@ impl Component for RevoluteJoint {
         self.inside().events(part, "").guards_of_state()
     }
 
-    fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {
         let inside = self.inside().torque(c.joint[0].q, c.joint[0].w);
         tau[0] = Torque { value: inside.value + c.scalar(0), slope: inside.slope };
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
         self.inside().guards(c.joint[0].q, c.joint[0].w, g);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let joint = c.joint[0];
         self.inside().energy(joint.q, joint.w) + Energy::supplied(c.scalar(0) * joint.w)
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
-        y[3] = c.scalar(0) + c.joint[0].drive;
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        y[3] = c.scalar(0) + c.joint_load[0].drive;
     }
 }
 

@@ -54,7 +54,7 @@ impl Component for SphericalJoint {
             .element(Element::Joint { base: 0, follower: 1, freedoms: vec![ball] })
     }
 
-    fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {
         let turn = match self.stiffness == 0.0 {
             true => [0.0; 3],
             false => quaternion::rotation_vector(*c.orientation),
@@ -65,7 +65,7 @@ impl Component for SphericalJoint {
         }
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let turn = quaternion::rotation_vector(*c.orientation);
         (0..3).fold(Energy::default(), |sum, k| {
             let w = c.joint[k].w;
@@ -74,14 +74,12 @@ impl Component for SphericalJoint {
         })
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => {
-                y[..4].copy_from_slice(c.orientation);
-                (0..3).for_each(|k| y[4 + k] = c.joint[k].w);
-            }
-            Needs::Electrics => {}
-            Needs::Motion => (0..3).for_each(|k| y[7 + k] = c.joint[k].a),
-        }
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y[..4].copy_from_slice(c.orientation);
+        (0..3).for_each(|k| y[4 + k] = c.joint[k].w);
+    }
+
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        (0..3).for_each(|k| y[7 + k] = c.joint_load[k].a);
     }
 }

@@ -37,13 +37,15 @@ impl Component for TransformSensor {
             .element(Element::FrameProbe { frame: 1 })
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        let frames = [(&c.frames[0], &c.frame_acceleration[0]), (&c.frames[1], &c.frame_acceleration[1])];
+        let base = frames[0].0;
+        y[16..19].copy_from_slice(&to_frame(base, acceleration_seen(frames)));
+        y[19..22].copy_from_slice(&to_frame(base, angular_acceleration_seen(frames)));
+    }
+
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         let (base, follower) = (&c.frames[0], &c.frames[1]);
-        if needs == Needs::Motion {
-            y[16..19].copy_from_slice(&to_frame(base, acceleration_seen(base, follower)));
-            y[19..22].copy_from_slice(&to_frame(base, angular_acceleration_seen(base, follower)));
-            return;
-        }
         // R = R_b' R_f, row by row
         let column = |m: &[[f64; 3]; 3], k: usize| [m[0][k], m[1][k], m[2][k]];
         let r = [0, 1, 2]

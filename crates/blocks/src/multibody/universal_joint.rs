@@ -55,14 +55,14 @@ impl Component for UniversalJoint {
             .element(Element::Joint { base: 0, follower: 1, freedoms })
     }
 
-    fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {
         for ((to, joint), input) in tau.iter_mut().zip(c.joint).zip(c.input(0)) {
             *to = spring(self.stiffness, self.damping, joint.q, joint.w);
             to.value += input;
         }
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let axes = c.joint.iter().zip(c.input(0));
         axes.fold(Energy::default(), |sum, (joint, torque)| {
             sum + spring_energy(self.stiffness, self.damping, joint.q, joint.w)
@@ -70,12 +70,13 @@ impl Component for UniversalJoint {
         })
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         let [a, b] = [c.joint[0], c.joint[1]];
-        match needs {
-            Needs::State => y[..4].copy_from_slice(&[a.q, b.q, a.w, b.w]),
-            Needs::Electrics => {}
-            Needs::Motion => y[4..6].copy_from_slice(&[a.a, b.a]),
-        }
+        y[..4].copy_from_slice(&[a.q, b.q, a.w, b.w]);
+    }
+
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        let [a, b] = [c.joint_load[0], c.joint_load[1]];
+        y[4..6].copy_from_slice(&[a.a, b.a]);
     }
 }

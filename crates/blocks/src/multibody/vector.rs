@@ -1,6 +1,6 @@
 //! Vectors of three elements, and frames that components look at.
 
-use blocksim_block::physical::{FrameMotion, Wrench};
+use blocksim_block::physical::{FrameAcceleration, FrameMotion, Wrench};
 
 pub(crate) fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
@@ -39,18 +39,22 @@ pub(crate) fn velocity_seen(base: &FrameMotion, follower: &FrameMotion) -> [f64;
 }
 
 /// Acceleration of the origin of `follower` as an observer on `base` sees it, in world axes.
-pub(crate) fn acceleration_seen(base: &FrameMotion, follower: &FrameMotion) -> [f64; 3] {
+pub(crate) fn acceleration_seen(
+    [(base, of_base), (follower, of_follower)]: [(&FrameMotion, &FrameAcceleration); 2],
+) -> [f64; 3] {
     let arm = sub(follower.position, base.position);
     let moving = sub(follower.velocity, base.velocity);
     // a - a_b - alpha x r - w x (v - v_b) - w x (what is seen of the velocity)
     let turned = add(cross(base.angular, moving), cross(base.angular, velocity_seen(base, follower)));
-    let carried = add(base.acceleration, cross(base.angular_acceleration, arm));
-    sub(sub(follower.acceleration, carried), turned)
+    let carried = add(of_base.linear, cross(of_base.angular, arm));
+    sub(sub(of_follower.linear, carried), turned)
 }
 
 /// Derivative of the angular velocity of `follower` as an observer on `base` sees it, in world axes.
-pub(crate) fn angular_acceleration_seen(base: &FrameMotion, follower: &FrameMotion) -> [f64; 3] {
-    let absolute = sub(follower.angular_acceleration, base.angular_acceleration);
+pub(crate) fn angular_acceleration_seen(
+    [(base, of_base), (follower, of_follower)]: [(&FrameMotion, &FrameAcceleration); 2],
+) -> [f64; 3] {
+    let absolute = sub(of_follower.angular, of_base.angular);
     sub(absolute, cross(base.angular, follower.angular))
 }
 

@@ -56,11 +56,11 @@ impl Component for AverageValueConverter {
         })
     }
 
-    fn ratios(&self, c: &Law, ratio: &mut [f64]) {
+    fn ratios(&self, c: &Known, ratio: &mut [f64]) {
         ratio.iter_mut().zip(c.input(0)).for_each(|(ratio, duty)| *ratio = duty.clamp(0.0, 1.0));
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         let i_dc = (0..LEGS).map(|k| c.current[2 * k + 1]).sum::<f64>();
         y.copy_from_slice(&[i_dc, i_dc * c.voltage[1]]);
     }
@@ -69,13 +69,14 @@ impl Component for AverageValueConverter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn duties_are_shares_and_what_is_no_number_does_not_hide() {
         let mut ratio = [0.5; 3];
         let u = [0.3, 1.7, f64::NAN];
-        AverageValueConverter { r_on: 0.0 }.ratios(&Law { u: &u, inputs: &[(0, 3)], ..law() }, &mut ratio);
+        AverageValueConverter { r_on: 0.0 }
+            .ratios(&Seen { u: &u, inputs: &[(0, 3)], ..law() }.loaded(), &mut ratio);
         assert_eq!(ratio[..2], [0.3, 1.0]);
         assert!(ratio[2].is_nan());
         assert_eq!(AverageValueConverter { r_on: -1.0 }.errors()[0].param, "r_on");

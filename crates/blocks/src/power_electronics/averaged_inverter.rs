@@ -51,7 +51,7 @@ impl AveragedInverter {
 }
 
 /// -1 when the phases b and c are exchanged.
-fn sequence(c: &Law) -> f64 {
+fn sequence(c: &Known) -> f64 {
     if c.scalar(REVERSE) == 0.0 { 1.0 } else { -1.0 }
 }
 
@@ -71,7 +71,7 @@ impl Component for AveragedInverter {
             .element(Element::Supply { ac: 0, n: Pin::Ground })
     }
 
-    fn supply(&self, c: &Law) -> Supply {
+    fn supply(&self, c: &Known) -> Supply {
         let sequence = sequence(c);
         Supply {
             voltage: turned(
@@ -84,35 +84,33 @@ impl Component for AveragedInverter {
         }
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[THETA] = TAU * c.scalar(F);
         dx[FRAME] = sequence(c) * TAU * c.scalar(F);
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => y[0] = c.x[THETA],
-            Needs::Electrics => {
-                y[1] = c.supply.amplitude();
-                y[2] = delivered(c.supply, *c.line_current);
-                y[3] = f64::from(c.scalar(V).abs() > self.limit());
-            }
-            Needs::Motion => {}
-        }
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y[0] = c.x[THETA];
+    }
+
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
+        y[1] = c.supply.amplitude();
+        y[2] = delivered(c.supply, *c.line_current);
+        y[3] = f64::from(c.scalar(V).abs() > self.limit());
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_dc_link_limits_the_amplitude() {
         let sine = AveragedInverter { vdc: 400.0, modulation: Modulation::Sine };
         let vectors = AveragedInverter { vdc: 400.0, modulation: Modulation::SpaceVector };
         let amplitude = |inverter: &AveragedInverter, v: f64| {
-            inverter.supply(&Law { x: &[0.0, 0.0], u: &[v, 50.0, 0.0], ..law() }).amplitude()
+            inverter.supply(&Seen { x: &[0.0, 0.0], u: &[v, 50.0, 0.0], ..law() }.loaded()).amplitude()
         };
         assert_eq!(amplitude(&sine, 150.0), 150.0);
         assert_eq!(amplitude(&sine, 250.0), 200.0);
@@ -137,8 +135,8 @@ mod tests {
     fn exchanged_phases_mirror_the_voltage_in_a_frame_that_does_not_jump() {
         let inverter = AveragedInverter { vdc: 400.0, modulation: Modulation::Sine };
         let x = [0.7, 0.7];
-        let forward = inverter.supply(&Law { x: &x, u: &[100.0, 50.0, 0.0], ..law() });
-        let reverse = inverter.supply(&Law { x: &x, u: &[100.0, 50.0, 1.0], ..law() });
+        let forward = inverter.supply(&Seen { x: &x, u: &[100.0, 50.0, 0.0], ..law() }.loaded());
+        let reverse = inverter.supply(&Seen { x: &x, u: &[100.0, 50.0, 1.0], ..law() }.loaded());
         assert_eq!((forward.angle, forward.voltage[1], forward.frequency), (0.7, 0.0, 50.0));
         assert_eq!((reverse.angle, reverse.frequency), (0.7, -50.0));
         assert!((reverse.voltage[1].atan2(reverse.voltage[0]) + 1.4).abs() < 1e-15);

@@ -39,11 +39,11 @@ impl Component for BrakeChopper {
             .heat_port(self.heat_port)
     }
 
-    fn gates(&self, c: &Law, on: &mut [bool]) {
+    fn gates(&self, c: &Known, on: &mut [bool]) {
         on[0] = c.scalar(0) != 0.0;
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         let i = c.current[0];
         y.copy_from_slice(&[i, self.r * i * i]);
     }

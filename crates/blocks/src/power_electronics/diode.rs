@@ -29,7 +29,7 @@ impl Component for Diode {
             .heat_port(self.valve.heat_port)
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y.copy_from_slice(&[c.current[0], c.voltage[0]]);
     }
 }

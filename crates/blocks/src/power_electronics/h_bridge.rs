@@ -40,7 +40,7 @@ impl Component for HBridge {
             .heat_port(self.valve.heat_port)
     }
 
-    fn gates(&self, c: &Law, on: &mut [bool]) {
+    fn gates(&self, c: &Known, on: &mut [bool]) {
         self.device.gates(c.input(0), on);
     }
 }

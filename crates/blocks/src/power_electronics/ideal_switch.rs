@@ -45,11 +45,11 @@ impl Component for IdealSwitch {
             .heat_port(self.heat_port)
     }
 
-    fn gates(&self, c: &Law, on: &mut [bool]) {
+    fn gates(&self, c: &Known, on: &mut [bool]) {
         on[0] = c.scalar(0) != 0.0;
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y[0] = c.current[0];
     }
 }

@@ -31,11 +31,11 @@ impl Component for Mosfet {
             .heat_port(self.valve.heat_port)
     }
 
-    fn gates(&self, c: &Law, on: &mut [bool]) {
+    fn gates(&self, c: &Known, on: &mut [bool]) {
         Device::Mosfet.gates(c.input(0), on);
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y.copy_from_slice(&[c.current[0] - c.current[1], c.voltage[0]]);
     }
 }

@@ -44,7 +44,7 @@ impl Component for ReversingContactor {
         [(1, 1), (2, 2), (1, 2), (2, 1)].map(contact).into_iter().fold(part, Part::element)
     }
 
-    fn gates(&self, c: &Law, on: &mut [bool]) {
+    fn gates(&self, c: &Known, on: &mut [bool]) {
         let reverse = c.scalar(0) != 0.0;
         on.copy_from_slice(&[!reverse, !reverse, reverse, reverse]);
     }

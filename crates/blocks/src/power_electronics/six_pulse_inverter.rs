@@ -41,7 +41,7 @@ impl Component for SixPulseInverter {
             .heat_port(self.valve.heat_port)
     }
 
-    fn gates(&self, c: &Law, on: &mut [bool]) {
+    fn gates(&self, c: &Known, on: &mut [bool]) {
         self.device.gates(c.input(0), on);
     }
 }
@@ -49,7 +49,7 @@ impl Component for SixPulseInverter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn gates_reach_their_transistors_and_no_diode() {
@@ -59,7 +59,7 @@ mod tests {
         };
         let mut on = [false; 12];
         let u = [1.0, 0.0, 0.0, 1.0, 1.0, 0.0];
-        inverter.gates(&Law { u: &u, inputs: &[(0, 6)], ..law() }, &mut on);
+        inverter.gates(&Seen { u: &u, inputs: &[(0, 6)], ..law() }.loaded(), &mut on);
         let found: Vec<usize> = (0..12).filter(|k| on[*k]).collect();
         assert_eq!(found, [0, 6, 8]);
         assert_eq!(inverter.part(&Given::default()).elements.len(), 12);

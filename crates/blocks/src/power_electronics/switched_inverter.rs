@@ -84,7 +84,7 @@ impl SwitchedInverter {
     }
 
     /// Reference voltages of the phases, V, this time later, s.
-    fn references(&self, c: &Law, later: f64) -> [f64; LEGS] {
+    fn references(&self, c: &Known, later: f64) -> [f64; LEGS] {
         let limit = self.modulation.limit(self.vdc);
         let amplitude = c.scalar(V).clamp(-limit, limit);
         let angle = c.x[0] + TAU * c.scalar(F) * later;
@@ -93,7 +93,7 @@ impl SwitchedInverter {
     }
 
     /// Duties that a sample taken now holds.
-    fn duties(&self, c: &Law) -> [f64; LEGS] {
+    fn duties(&self, c: &Known) -> [f64; LEGS] {
         let (carrier, period) = (self.modulator().carrier, 1.0 / self.switching_frequency);
         // Regular samples hold from one to the next: their references are those of the middle.
         let middle = |share: f64| self.modulation.duties(self.references(c, share * period), self.vdc);
@@ -119,7 +119,7 @@ impl SwitchedInverter {
     }
 
     /// Voltage of a leg against the negative rail, V.
-    fn pole(&self, c: &Law, leg: usize) -> f64 {
+    fn pole(&self, c: &Known, leg: usize) -> f64 {
         if Modulator::is_high(c.d, leg) { self.vdc } else { 0.0 }
     }
 
@@ -162,49 +162,46 @@ impl Component for SwitchedInverter {
         }
     }
 
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
+    fn voltages(&self, c: &Moving, v: &mut [f64]) {
         v.iter_mut().enumerate().for_each(|(leg, v)| *v = self.pole(c, leg));
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = TAU * c.scalar(F);
     }
 
-    fn jump(&self, c: &Law, _x: &mut [f64], d: &mut [f64]) -> bool {
+    fn jump(&self, c: &Flowing, _x: &mut [f64], d: &mut [f64]) -> bool {
         let modulator = self.modulator();
         // Crossings are looked for when they are needed.
         let duties = if modulator.samples(c.t, d) { self.duties(c) } else { [0.0; LEGS] };
         modulator.settle(c.t, &duties, d)
     }
 
-    fn next_event(&self, c: &Law) -> f64 {
+    fn next_event(&self, c: &Known) -> f64 {
         self.modulator().next_event(c.t, c.d)
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => {
-                y[0] = c.x[0];
-                if self.legs_need() == Needs::State {
-                    self.voltages(c, &mut y[1..1 + LEGS]);
-                }
-            }
-            // The current of a source is counted from its positive pin through it.
-            Needs::Electrics => {
-                if self.legs_need() == Needs::Electrics {
-                    y[1..1 + LEGS].copy_from_slice(&c.voltage[..LEGS]);
-                }
-                y[1 + LEGS] = -c.voltage.iter().zip(c.current).map(|(v, i)| v * i).sum::<f64>();
-                y[2 + LEGS] = f64::from(c.scalar(V).abs() > self.modulation.limit(self.vdc));
-            }
-            Needs::Motion => {}
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y[0] = c.x[0];
+        if self.legs_need() == Needs::State {
+            self.voltages(c, &mut y[1..1 + LEGS]);
         }
+    }
+
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
+        // The current of a source is counted from its positive pin through it.
+        if self.legs_need() == Needs::Electrics {
+            y[1..1 + LEGS].copy_from_slice(&c.voltage[..LEGS]);
+        }
+        y[1 + LEGS] = -c.voltage.iter().zip(c.current).map(|(v, i)| v * i).sum::<f64>();
+        y[2 + LEGS] = f64::from(c.scalar(V).abs() > self.modulation.limit(self.vdc));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::testing::Seen;
 
     const INVERTER: SwitchedInverter = SwitchedInverter {
         vdc: 400.0,
@@ -221,17 +218,17 @@ mod tests {
         let (mut t, mut mean) = (0.0, [0.0; LEGS]);
         let (x, u) = ([0.7], [150.0, 0.0, 0.0]);
         let end = 1.0 / INVERTER.switching_frequency;
-        let law = |t: f64| Law { t, x: &x, u: &u, inputs: &inputs, ..Law::nothing() };
+        let law = |t: f64| Seen { t, x: &x, u: &u, inputs: &inputs, ..Seen::NOTHING };
         while t < end {
-            Component::jump(&INVERTER, &law(t), &mut [], &mut memory);
-            let c = Law { d: &memory, ..law(t) };
+            Component::jump(&INVERTER, &law(t).loaded(), &mut [], &mut memory);
+            let c = Seen { d: &memory, ..law(t) }.loaded();
             let next = Component::next_event(&INVERTER, &c).min(end);
             for (leg, mean) in mean.iter_mut().enumerate() {
                 *mean += INVERTER.pole(&c, leg) * (next - t) / end;
             }
             t = next;
         }
-        let references = INVERTER.references(&law(0.0), 0.0);
+        let references = INVERTER.references(&law(0.0).loaded(), 0.0);
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {
             let (found, wanted) = (mean[i] - mean[j], references[i] - references[j]);
             assert!((found - wanted).abs() < 1e-9, "{found} != {wanted}");
@@ -244,7 +241,8 @@ mod tests {
         let (mut memory, mut t, mut edges) = (Modulator::initial(LEGS), 0.0, Vec::new());
         while t < end {
             let (x, before) = ([TAU * u[F] * t], Modulator::is_high(&memory, 0));
-            let law = Law { t, x: &x, u: &u, inputs: &inputs, ..Law::nothing() };
+            let seen = Seen { t, x: &x, u: &u, inputs: &inputs, ..Seen::NOTHING };
+            let law = seen.loaded();
             let old = memory.clone();
             Component::jump(inverter, &law, &mut [], &mut memory);
             let settled = memory.clone();
@@ -252,7 +250,7 @@ mod tests {
             if Modulator::is_high(&memory, 0) != before && old[0] >= 0.0 {
                 edges.push((t, !before));
             }
-            t = Component::next_event(inverter, &Law { d: &memory, ..law });
+            t = Component::next_event(inverter, &Seen { d: &memory, ..seen }.loaded());
         }
         edges
     }

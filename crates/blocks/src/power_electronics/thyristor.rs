@@ -30,11 +30,11 @@ impl Component for Thyristor {
             .heat_port(self.valve.heat_port)
     }
 
-    fn gates(&self, c: &Law, on: &mut [bool]) {
+    fn gates(&self, c: &Known, on: &mut [bool]) {
         on[0] = c.scalar(0) != 0.0;
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y.copy_from_slice(&[c.current[0], c.voltage[0]]);
     }
 }

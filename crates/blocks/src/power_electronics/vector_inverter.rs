@@ -68,7 +68,7 @@ impl Component for VectorInverter {
             .element(Element::Supply { ac: 0, n: Pin::Ground })
     }
 
-    fn supply(&self, c: &Law) -> Supply {
+    fn supply(&self, c: &Known) -> Supply {
         let (v_d, v_q, frame) = (c.scalar(V_D), c.scalar(V_Q), c.x[0]);
         // The frame is the integral of its own speed, never the angle that is put in: fluxes that a machine
         // holds in it must not jump when that angle does.
@@ -82,30 +82,29 @@ impl Component for VectorInverter {
         }
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = TAU * c.scalar(F);
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        if needs == Needs::Electrics {
-            let limited = c.scalar(V_D).hypot(c.scalar(V_Q)) > self.limit();
-            let power = delivered(c.supply, *c.line_current);
-            y.copy_from_slice(&[c.supply.amplitude(), power, f64::from(limited)]);
-        }
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
+        let limited = c.scalar(V_D).hypot(c.scalar(V_Q)) > self.limit();
+        let power = delivered(c.supply, *c.line_current);
+        y.copy_from_slice(&[c.supply.amplitude(), power, f64::from(limited)]);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     const INVERTER: VectorInverter = VectorInverter { vdc: 400.0, modulation: Modulation::SpaceVector };
 
     #[test]
     fn the_voltage_of_phase_a_is_that_of_the_vector_whatever_the_frame_of_the_fluxes() {
         for frame in [0.0, 0.7, -3.0] {
-            let supply = INVERTER.supply(&Law { x: &[frame], u: &[30.0, -40.0, 1.2, 50.0], ..law() });
+            let supply =
+                INVERTER.supply(&Seen { x: &[frame], u: &[30.0, -40.0, 1.2, 50.0], ..law() }.loaded());
             let phase_a = supply.phases()[0];
             let expected = 30.0 * 1.2_f64.cos() + 40.0 * 1.2_f64.sin();
             assert!((phase_a - expected).abs() < 1e-12, "{phase_a} != {expected}");
@@ -115,7 +114,7 @@ mod tests {
 
     #[test]
     fn the_dc_link_shortens_the_vector_and_keeps_its_direction() {
-        let supply = INVERTER.supply(&Law { x: &[0.0], u: &[300.0, 400.0, 0.0, 0.0], ..law() });
+        let supply = INVERTER.supply(&Seen { x: &[0.0], u: &[300.0, 400.0, 0.0, 0.0], ..law() }.loaded());
         assert!((supply.amplitude() - 230.940_107_676).abs() < 1e-8);
         assert!((supply.voltage[1] / supply.voltage[0] - 4.0 / 3.0).abs() < 1e-14);
         let sine = VectorInverter { modulation: Modulation::Sine, ..INVERTER };
@@ -124,7 +123,7 @@ mod tests {
 
     #[test]
     fn no_voltage_has_no_direction_and_needs_none() {
-        let supply = INVERTER.supply(&Law { x: &[0.0], u: &[0.0; 4], ..law() });
+        let supply = INVERTER.supply(&Seen { x: &[0.0], u: &[0.0; 4], ..law() }.loaded());
         assert_eq!(supply.voltage, [0.0, 0.0]);
         assert_eq!(VectorInverter { vdc: -1.0, ..INVERTER }.errors()[0].param, "vdc");
     }

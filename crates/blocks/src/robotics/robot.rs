@@ -227,35 +227,38 @@ impl Component for Robot {
         self.robot.load.iter().fold(part, |part, body| body.add_to(part, 1))
     }
 
-    fn joint_torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {
         for (axis, ((to, joint), input)) in tau.iter_mut().zip(c.joint).zip(c.input(0)).enumerate() {
             *to = self.inside(axis).torque(joint.q, joint.w);
             to.value += input;
         }
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
         let joints = c.joint.iter().enumerate();
         joints.fold(0, |first, (axis, joint)| {
             first + self.inside(axis).guards(joint.q, joint.w, &mut g[first..])
         });
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let axes = c.joint.iter().zip(c.input(0)).enumerate();
         axes.fold(Energy::default(), |sum, (axis, (joint, torque))| {
             sum + self.inside(axis).energy(joint.q, joint.w) + Energy::supplied(torque * joint.w)
         })
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
         let n = self.axes();
-        for (i, (joint, input)) in c.joint.iter().zip(c.input(0)).enumerate() {
-            match needs {
-                Needs::State => (y[i], y[n + i]) = (joint.q, joint.w),
-                Needs::Electrics => {}
-                Needs::Motion => (y[2 * n + i], y[3 * n + i]) = (joint.a, input + joint.drive),
-            }
+        for (i, joint) in c.joint.iter().enumerate() {
+            (y[i], y[n + i]) = (joint.q, joint.w);
+        }
+    }
+
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        let n = self.axes();
+        for (i, (load, input)) in c.joint_load.iter().zip(c.input(0)).enumerate() {
+            (y[2 * n + i], y[3 * n + i]) = (load.a, input + load.drive);
         }
     }
 }

@@ -33,24 +33,22 @@ impl Component for Brake {
         self.pressed.part("engaged", "how firmly it is applied: Bool, or a share 0 to 1")
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         if !self.pressed.model.sticks() {
             tau[0] = self.pressed.smooth(c.scalar(0), c.speed[0]);
         }
     }
 
-    fn grips(&self, c: &Law, grips: &mut [Grip]) {
+    fn grips(&self, c: &Flowing, grips: &mut [Grip]) {
         grips[0] = self.pressed.grip(c.scalar(0));
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         self.pressed.energy(c)
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        if needs == Needs::Motion {
-            self.pressed.measure(c, y);
-        }
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        self.pressed.measure(c, y);
     }
 }
 
@@ -58,7 +56,7 @@ impl Component for Brake {
 mod tests {
     use super::*;
     use crate::mechanics::friction_model::FrictionModel;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn what_it_holds_follows_the_input_and_the_peak() {
@@ -73,7 +71,7 @@ mod tests {
         };
         for (u, slide) in [(1.0, 10.0), (0.5, 5.0), (0.0, 0.0), (3.0, 10.0)] {
             let mut grips = [Grip::default()];
-            brake.grips(&Law { u: &[u], speed: &[0.0], ..law() }, &mut grips);
+            brake.grips(&Seen { u: &[u], speed: &[0.0], ..law() }.loaded(), &mut grips);
             assert_eq!(grips[0].slide.map(|torque| torque.value), [slide; 2]);
             assert_eq!(grips[0].hold, [1.2 * slide; 2]);
         }

@@ -33,24 +33,22 @@ impl Component for Clutch {
         self.pressed.part("normal", "how hard the discs are pressed together: Bool, or a share 0 to 1")
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         if !self.pressed.model.sticks() {
             tau[0] = self.pressed.smooth(c.scalar(0), c.speed[0]);
         }
     }
 
-    fn grips(&self, c: &Law, grips: &mut [Grip]) {
+    fn grips(&self, c: &Flowing, grips: &mut [Grip]) {
         grips[0] = self.pressed.grip(c.scalar(0));
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         self.pressed.energy(c)
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        if needs == Needs::Motion {
-            self.pressed.measure(c, y);
-        }
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        self.pressed.measure(c, y);
     }
 }
 
@@ -58,7 +56,7 @@ impl Component for Clutch {
 mod tests {
     use super::*;
     use crate::mechanics::friction_model::FrictionModel;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     const CLUTCH: Clutch = Clutch {
         pressed: Pressed {
@@ -74,7 +72,7 @@ mod tests {
     fn the_torque_follows_the_normal_force_and_opposes_the_slip() {
         for (u, w, torque) in [(1.0, 5.0, 10.0), (0.5, -5.0, -5.0), (0.0, 5.0, 0.0), (3.0, 5.0, 10.0)] {
             let mut tau = [Torque::default()];
-            CLUTCH.torques(&Law { u: &[u], speed: &[w], ..law() }, &mut tau);
+            CLUTCH.torques(&Seen { u: &[u], speed: &[w], ..law() }.loaded(), &mut tau);
             assert_eq!(tau[0].value, torque);
         }
     }
@@ -82,9 +80,10 @@ mod tests {
     #[test]
     fn heat_is_torque_times_slip_and_a_locked_clutch_says_so() {
         let mut y = [0.0; 3];
-        CLUTCH.measure(&Law { torque: &[-4.0], speed: &[-3.0], ..law() }, Needs::Motion, &mut y);
+        CLUTCH.measure_motion(&Seen { torque: &[-4.0], speed: &[-3.0], ..law() }.loaded(), &mut y);
         assert_eq!(y, [-4.0, 12.0, 0.0]);
-        CLUTCH.measure(&Law { torque: &[-4.0], speed: &[0.0], mode: &[0.0], ..law() }, Needs::Motion, &mut y);
+        CLUTCH
+            .measure_motion(&Seen { torque: &[-4.0], speed: &[0.0], mode: &[0.0], ..law() }.loaded(), &mut y);
         assert_eq!(y, [-4.0, 0.0, 1.0]);
     }
 }

@@ -22,11 +22,11 @@ impl Component for ConstantTorque {
         ROTATION.branch()
     }
 
-    fn torques(&self, _c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, _c: &Flowing, tau: &mut [Torque]) {
         tau[0] = undamped(-self.tau);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::supplied(self.tau * c.speed[0])
     }
 }
@@ -34,13 +34,13 @@ impl Component for ConstantTorque {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_torque_is_the_same_at_every_speed() {
         for w in [-7.0, 0.0, 300.0] {
             let mut tau = [Torque::default()];
-            ConstantTorque { tau: 2.5 }.torques(&Law { speed: &[w], ..law() }, &mut tau);
+            ConstantTorque { tau: 2.5 }.torques(&Seen { speed: &[w], ..law() }.loaded(), &mut tau);
             assert_eq!(tau[0], Torque { value: -2.5, slope: 0.0 });
         }
     }

@@ -61,13 +61,13 @@ impl Component for EddyCurrentBrake {
             .heat_port(self.heat_port)
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         let (value, slope) = self.torque(c.scalar(0), c.speed[0]);
         // Beyond the maximum the torque falls; an implicit step damps only where it rises.
         tau[0] = Torque { value, slope: slope.max(0.0) };
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::dissipated(self.torque(c.scalar(0), c.speed[0]).0 * c.speed[0])
     }
 }

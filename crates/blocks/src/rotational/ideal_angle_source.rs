@@ -28,7 +28,7 @@ pub struct IdealAngleSource {
 }
 
 impl IdealAngleSource {
-    fn acceleration(&self, c: &Law) -> f64 {
+    fn acceleration(&self, c: &Known) -> f64 {
         let omega = TAU * self.f;
         omega * (omega * (c.scalar(0) - c.x[0]) - 2.0 * c.x[1])
     }
@@ -46,35 +46,35 @@ impl Component for IdealAngleSource {
             .element(Element::SpeedSource { r: 0, c: 1 })
     }
 
-    fn speeds(&self, c: &Law, w: &mut [f64], dw: &mut [f64]) {
+    fn speeds(&self, c: &Known, w: &mut [f64], dw: &mut [f64]) {
         w[0] = c.x[1];
         dw[0] = self.acceleration(c);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.x[1];
         dx[1] = self.acceleration(c);
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => y[0] = c.x[0],
-            Needs::Electrics => {}
-            Needs::Motion => y[1] = -c.torque[0],
-        }
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y[0] = c.x[0];
+    }
+
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        y[1] = -c.torque[0];
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn a_resting_source_that_is_asked_to_move_accelerates_by_the_square_of_its_frequency() {
         let source = IdealAngleSource { f: 1.0, phi0: 0.0 };
         let (mut w, mut dw) = ([9.0], [9.0]);
-        source.speeds(&Law { u: &[0.5], x: &[0.0, 0.0], ..law() }, &mut w, &mut dw);
+        source.speeds(&Seen { u: &[0.5], x: &[0.0, 0.0], ..law() }.loaded(), &mut w, &mut dw);
         assert_eq!((w[0], dw[0]), (0.0, 0.5 * TAU * TAU));
         assert_eq!(IdealAngleSource { f: 0.0, ..source }.errors()[0].param, "f");
     }

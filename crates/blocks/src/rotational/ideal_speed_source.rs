@@ -19,12 +19,12 @@ impl Component for IdealSpeedSource {
         ROTATION.speed_source()
     }
 
-    fn speeds(&self, c: &Law, w: &mut [f64], dw: &mut [f64]) {
+    fn speeds(&self, c: &Known, w: &mut [f64], dw: &mut [f64]) {
         w[0] = c.scalar(0);
         dw[0] = c.scalar(1);
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
         y[0] = -c.torque[0];
     }
 }
@@ -32,12 +32,12 @@ impl Component for IdealSpeedSource {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn speed_and_derivative_are_the_inputs() {
         let (mut w, mut dw) = ([0.0], [0.0]);
-        IdealSpeedSource.speeds(&Law { u: &[3.0, -4.0], ..law() }, &mut w, &mut dw);
+        IdealSpeedSource.speeds(&Seen { u: &[3.0, -4.0], ..law() }.loaded(), &mut w, &mut dw);
         assert_eq!((w[0], dw[0]), (3.0, -4.0));
     }
 }

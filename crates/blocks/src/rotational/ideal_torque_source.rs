@@ -17,11 +17,11 @@ impl Component for IdealTorqueSource {
         ROTATION.effort_source()
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         tau[0] = undamped(-c.scalar(0));
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::supplied(c.scalar(0) * c.speed[0])
     }
 }
@@ -29,12 +29,12 @@ impl Component for IdealTorqueSource {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn a_source_absorbs_the_negative_of_what_it_applies() {
         let mut tau = [Torque::default()];
-        IdealTorqueSource.torques(&Law { u: &[2.5], ..law() }, &mut tau);
+        IdealTorqueSource.torques(&Seen { u: &[2.5], ..law() }.loaded(), &mut tau);
         assert_eq!(tau[0].value, -2.5);
     }
 }

@@ -115,17 +115,17 @@ impl Component for LuGreFriction {
             .heat_port(self.heat_port)
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         let (value, slope) = self.torque(c.x[0], c.speed[0]);
         // Where the curve falls an implicit step must not take it for a drive.
         tau[0] = Torque { value, slope: slope.max(0.0) };
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = self.bristles(c.x[0], c.speed[0]).rate;
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         // The bristles yield: what bends them beyond their own rate becomes heat, as does what damps them.
         let (z, w) = (c.x[0], c.speed[0]);
         let b = self.bristles(z, w);
@@ -136,19 +136,19 @@ impl Component for LuGreFriction {
         }
     }
 
-    fn measure(&self, c: &Law, needs: Needs, y: &mut [f64]) {
-        match needs {
-            Needs::State => y[0] = c.x[0],
-            Needs::Electrics => {}
-            Needs::Motion => y[1] = c.torque[0],
-        }
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y[0] = c.x[0];
+    }
+
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
+        y[1] = c.torque[0];
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     const EXAMPLE: LuGreFriction = LuGreFriction {
         coulomb: 1.0,
@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn at_rest_it_is_a_spring_and_a_damper() {
         let mut tau = [Torque::default()];
-        EXAMPLE.torques(&Law { x: &[5e-5], speed: &[0.0], ..law() }, &mut tau);
+        EXAMPLE.torques(&Seen { x: &[5e-5], speed: &[0.0], ..law() }.loaded(), &mut tau);
         assert!((tau[0].value - 0.5).abs() < 1e-15);
         // Both one-sided slopes; the mean is sigma1 + f exactly.
         let h = 1e-9;

@@ -22,7 +22,7 @@ impl Component for MotionSensor {
         ROTATION.motion_sensor(self.phi0)
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }
 }

@@ -40,11 +40,11 @@ impl Component for OneWayClutch {
         Part::new().rod_and_case().element(self.model.element()).friction_called(FREEWHEEL)
     }
 
-    fn grips(&self, _c: &Law, grips: &mut [Grip]) {
+    fn grips(&self, _c: &Flowing, grips: &mut [Grip]) {
         grips[0] = Grip { hold: [f64::INFINITY, 0.0], ..Grip::default() };
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         if self.model.sticks() {
             return;
         }
@@ -59,7 +59,7 @@ impl Component for OneWayClutch {
         }
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let w = c.speed[0].max(0.0);
         match self.model.sticks() || w == 0.0 {
             true => Energy::default(),
@@ -71,13 +71,13 @@ impl Component for OneWayClutch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     const CLUTCH: OneWayClutch = OneWayClutch { model: FrictionModel::Smooth, d: 100.0, transition: 0.01 };
 
     fn torque(w: f64) -> Torque {
         let mut tau = [Torque::default()];
-        CLUTCH.torques(&Law { speed: &[w], ..law() }, &mut tau);
+        CLUTCH.torques(&Seen { speed: &[w], ..law() }.loaded(), &mut tau);
         tau[0]
     }
 

@@ -28,13 +28,13 @@ impl Component for QuadraticLoad {
         Part::new().rod_and_case().element(Element::Branch { r: 0, c: 1 })
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         let w = c.speed[0];
         let k = self.torque / (self.speed * self.speed);
         tau[0] = Torque { value: k * w * w.abs(), slope: 2.0 * k * w.abs() };
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let w = c.speed[0].abs();
         Energy::dissipated(self.torque / (self.speed * self.speed) * w * w * w)
     }
@@ -43,7 +43,7 @@ impl Component for QuadraticLoad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_torque_grows_with_the_square_of_the_speed_and_brakes_both_ways() {
@@ -51,7 +51,7 @@ mod tests {
         for (w, value, slope) in [(100.0, 40.0, 0.8), (50.0, 10.0, 0.4), (-50.0, -10.0, 0.4), (0.0, 0.0, 0.0)]
         {
             let mut tau = [Torque::default()];
-            load.torques(&Law { speed: &[w], ..law() }, &mut tau);
+            load.torques(&Seen { speed: &[w], ..law() }.loaded(), &mut tau);
             assert!((tau[0].value - value).abs() < 1e-13 && (tau[0].slope - slope).abs() < 1e-15, "{w}");
         }
     }

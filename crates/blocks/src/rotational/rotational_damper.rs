@@ -23,11 +23,11 @@ impl Component for RotationalDamper {
         ROTATION.damped().heat_port(self.heat_port)
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         tau[0] = Torque { value: self.d * c.speed[0], slope: self.d };
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::dissipated(self.d * c.speed[0] * c.speed[0])
     }
 }
@@ -35,13 +35,14 @@ impl Component for RotationalDamper {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_torque_is_the_damping_coefficient_times_the_speed() {
         for (d, w) in [(0.5, 3.0), (0.0, 1e6), (2.0, -0.25)] {
             let mut tau = [Torque::default()];
-            RotationalDamper { d, heat_port: false }.torques(&Law { speed: &[w], ..law() }, &mut tau);
+            RotationalDamper { d, heat_port: false }
+                .torques(&Seen { speed: &[w], ..law() }.loaded(), &mut tau);
             assert_eq!(tau[0], Torque { value: d * w, slope: d });
         }
     }

@@ -77,15 +77,15 @@ impl Component for RotationalFriction {
         self.law().part(&ROTATION).heat_port(self.heat_port)
     }
 
-    fn grips(&self, c: &Law, grips: &mut [Grip]) {
+    fn grips(&self, c: &Flowing, grips: &mut [Grip]) {
         grips[0] = self.law().grip(c.speed[0]);
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         self.law().loads(c, tau);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         self.law().energy(c)
     }
 }

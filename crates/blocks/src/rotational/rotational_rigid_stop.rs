@@ -54,15 +54,15 @@ impl Component for RotationalRigidStop {
         self.law().part(&ROTATION, self.phi0)
     }
 
-    fn grips(&self, c: &Law, grips: &mut [Grip]) {
+    fn grips(&self, c: &Flowing, grips: &mut [Grip]) {
         grips[0] = self.law().grip(c.x[0]);
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
         self.law().guards(c.x[0], g);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }
 }

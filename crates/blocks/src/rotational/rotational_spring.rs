@@ -28,15 +28,15 @@ impl Component for RotationalSpring {
         ROTATION.elastic(self.phi0)
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         tau[0] = undamped(self.k * c.x[0]);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::stored(0.5 * self.k * c.x[0] * c.x[0])
     }
 }
@@ -44,14 +44,14 @@ impl Component for RotationalSpring {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_torque_follows_the_deflection_and_the_deflection_the_speed() {
         let spring = RotationalSpring { k: 10.0, phi0: 0.2 };
         assert_eq!(spring.part(&Given::nothing()).states[0].initial, 0.2);
         let (mut tau, mut dx) = ([Torque::default()], [0.0]);
-        let c = Law { x: &[0.3], speed: &[-4.0], ..law() };
+        let c = Seen { x: &[0.3], speed: &[-4.0], ..law() }.loaded();
         spring.torques(&c, &mut tau);
         Component::derivatives(&spring, &c, &mut dx);
         assert_eq!((tau[0].value, dx[0]), (3.0, -4.0));

@@ -54,19 +54,19 @@ impl Component for RotationalSpringDamper {
         self.law().events(ROTATION.elastic(self.phi0)).guards_of_state()
     }
 
-    fn torques(&self, c: &Law, tau: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
         tau[0] = self.law().load(c.x[0], c.speed[0]);
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
         self.law().guards(c.x[0], c.speed[0], g);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         self.law().energy(c.x[0], c.speed[0])
     }
 }

@@ -26,7 +26,7 @@ impl Component for Ambient {
             .reads("q", "W", Reading::Current(GIVEN), "heat flow into the surroundings")
     }
 
-    fn voltages(&self, _c: &Law, v: &mut [f64]) {
+    fn voltages(&self, _c: &Moving, v: &mut [f64]) {
         v[0] = self.t;
     }
 }

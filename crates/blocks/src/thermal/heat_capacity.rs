@@ -42,7 +42,7 @@ impl Component for HeatCapacity {
             .reads("t", "K", Reading::State(0), "temperature")
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.current(BODY) / self.c;
     }
 }

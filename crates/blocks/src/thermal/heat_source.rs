@@ -23,13 +23,13 @@ impl Component for HeatSource {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_heat_is_the_input() {
         let mut q = [0.0];
         let part = HeatSource.part(&Given::nothing());
-        part.write_currents(&HeatSource, &Law { u: &[-5.0], ..law() }, &mut q);
+        part.write_currents(&HeatSource, &Seen { u: &[-5.0], ..law() }.loaded(), &mut q);
         assert_eq!(q, [-5.0]);
     }
 }

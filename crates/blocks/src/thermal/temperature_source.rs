@@ -23,13 +23,13 @@ impl Component for TemperatureSource {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_temperature_is_the_input() {
         let mut t = [0.0];
         let part = TemperatureSource.part(&Given::nothing());
-        part.write_voltages(&TemperatureSource, &Law { u: &[310.0], ..law() }, &mut t);
+        part.write_voltages(&TemperatureSource, &Seen { u: &[310.0], ..law() }.loaded(), &mut t);
         assert_eq!(t, [310.0]);
     }
 }

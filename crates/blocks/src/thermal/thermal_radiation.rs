@@ -47,7 +47,7 @@ impl Component for ThermalRadiation {
             .reads("q", "W", Reading::Current(SIDE_A), "heat flow from a to b")
     }
 
-    fn characteristics(&self, _c: &Law, curves: &mut Characteristics) {
+    fn characteristics(&self, _c: &Moving, curves: &mut Characteristics) {
         let (a, b) = (curves.voltage(SIDE_A), curves.voltage(SIDE_B));
         // Odd, so that a search that comes below absolute zero returns.
         let power = |t: f64| self.factor() * t.abs().powi(3) * t;

@@ -29,15 +29,15 @@ impl Component for ControlledThreePhaseSource {
         (0..3).map(source).fold(part, Part::element)
     }
 
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
+    fn voltages(&self, c: &Moving, v: &mut [f64]) {
         v.copy_from_slice(c.input(0));
     }
 
-    fn voltage_rates(&self, c: &Law, dv: &mut [f64]) {
+    fn voltage_rates(&self, c: &Moving, dv: &mut [f64]) {
         dv.copy_from_slice(c.input(1));
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y[0] = -c.voltage.iter().zip(c.current).map(|(v, i)| v * i).sum::<f64>();
     }
 }

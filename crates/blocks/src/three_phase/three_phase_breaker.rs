@@ -69,7 +69,7 @@ impl Component for ThreePhaseBreaker {
         (0..3).flat_map(|k| self.contact(k)).fold(part, Part::element).heat_port(self.heat_port)
     }
 
-    fn gates(&self, c: &Law, on: &mut [bool]) {
+    fn gates(&self, c: &Known, on: &mut [bool]) {
         on.fill(c.scalar(0) != 0.0);
     }
 }

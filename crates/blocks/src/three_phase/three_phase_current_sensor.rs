@@ -21,7 +21,7 @@ impl Component for ThreePhaseCurrentSensor {
         (0..3).map(wire).fold(part, Part::element)
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y.copy_from_slice(c.current);
     }
 }

@@ -114,23 +114,23 @@ impl Component for ThreePhaseRlc {
         part
     }
 
-    fn voltages(&self, c: &Law, v: &mut [f64]) {
+    fn voltages(&self, c: &Moving, v: &mut [f64]) {
         v.copy_from_slice(&c.x[self.first_voltage()..]);
     }
 
-    fn currents(&self, c: &Law, i: &mut [f64]) {
+    fn currents(&self, c: &Moving, i: &mut [f64]) {
         i.copy_from_slice(&c.x[..3]);
     }
 
-    fn reluctance(&self, _c: &Law, _internal: &mut [f64], inverse: &mut [f64]) {
+    fn reluctance(&self, _c: &Flowing, _internal: &mut [f64], inverse: &mut [f64]) {
         (0..3).for_each(|k| inverse[4 * k] = 1.0 / self.l);
     }
 
-    fn strike(&self, _c: &Law, volt_seconds: &[f64], x: &mut [f64]) {
+    fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
         x.iter_mut().zip(volt_seconds).for_each(|(i, v)| *i += v / self.l);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         let (count, first) = (self.count(), self.first_voltage());
         for k in 0..3 {
             // The winding is the first of a phase, the capacitance the last.
@@ -143,17 +143,19 @@ impl Component for ThreePhaseRlc {
         }
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         let (currents, voltages) = c.x.split_at(self.first_voltage());
         let square = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
         Energy::stored(0.5 * (self.l * square(currents) + self.c.unwrap_or(0.0) * square(voltages)))
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_state(&self, c: &Moving, y: &mut [f64]) {
+        y.iter_mut().zip(c.x).for_each(|(y, i)| *y = *i);
+    }
+
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         let count = self.count();
-        for (k, y) in y.iter_mut().enumerate() {
-            *y = if self.windings() > 0 { c.x[k] } else { c.current[count * k] };
-        }
+        y.iter_mut().enumerate().for_each(|(k, y)| *y = c.current[count * k]);
     }
 }
 

@@ -56,7 +56,7 @@ impl Component for ThreePhaseSource {
             .max_step(longest_step(self.frequency))
     }
 
-    fn supply(&self, c: &Law) -> Supply {
+    fn supply(&self, c: &Known) -> Supply {
         Supply {
             voltage: [self.voltage * (2.0_f64 / 3.0).sqrt(), 0.0],
             zero: 0.0,
@@ -65,7 +65,7 @@ impl Component for ThreePhaseSource {
         }
     }
 
-    fn voltage_rates(&self, c: &Law, dv: &mut [f64]) {
+    fn voltage_rates(&self, c: &Moving, dv: &mut [f64]) {
         let w = TAU * self.frequency;
         let peak = self.voltage * (2.0_f64 / 3.0).sqrt();
         for (lag, dv) in dv.iter_mut().enumerate() {
@@ -73,7 +73,7 @@ impl Component for ThreePhaseSource {
         }
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         y[0] = delivered(c.supply, *c.line_current);
     }
 }
@@ -92,13 +92,13 @@ pub(crate) fn delivered(supply: &Supply, current: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn the_voltage_is_known_as_a_function_of_time() {
         let source =
             ThreePhaseSource { voltage: 220.0, frequency: 60.0, phase: 0.5, neutral: Neutral::Grounded };
-        let supply = source.supply(&Law { t: 0.25, ..law() });
+        let supply = source.supply(&Seen { t: 0.25, ..law() }.loaded());
         assert!((supply.amplitude() - 179.629_247).abs() < 1e-6, "{}", supply.amplitude());
         assert!((supply.angle - (TAU * 15.0 + 0.5)).abs() < 1e-12);
         assert_eq!((supply.frequency, supply.voltage[1]), (60.0, 0.0));

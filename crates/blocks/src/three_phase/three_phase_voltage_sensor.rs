@@ -24,7 +24,7 @@ impl Component for ThreePhaseVoltageSensor {
         (0..3).map(probe).fold(part, Part::element)
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_electrics(&self, c: &Flowing, y: &mut [f64]) {
         for k in 0..3 {
             y[k] = (c.voltage[k] - c.voltage[(k + 2) % 3]) / 3.0;
             y[3 + k] = c.voltage[k];
@@ -35,14 +35,14 @@ impl Component for ThreePhaseVoltageSensor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::testing::law;
+    use crate::mechanics::testing::{Seen, law};
 
     #[test]
     fn voltages_against_the_mean_follow_from_those_between_the_phases() {
         let v: [f64; 3] = [100.0, -20.0, 40.0];
         let between: Vec<f64> = (0..3).map(|k| v[k] - v[(k + 1) % 3]).collect();
         let mut y = [0.0; 6];
-        ThreePhaseVoltageSensor.measure(&Law { voltage: &between, ..law() }, Needs::Electrics, &mut y);
+        ThreePhaseVoltageSensor.measure_electrics(&Seen { voltage: &between, ..law() }.loaded(), &mut y);
         for (found, expected) in y.iter().zip([60.0, -60.0, 0.0, 120.0, -60.0, -60.0]) {
             assert!((found - expected).abs() < 1e-13);
         }

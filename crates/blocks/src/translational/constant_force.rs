@@ -22,11 +22,11 @@ impl Component for ConstantForce {
         TRANSLATION.branch()
     }
 
-    fn torques(&self, _c: &Law, f: &mut [Torque]) {
+    fn torques(&self, _c: &Flowing, f: &mut [Torque]) {
         f[0] = undamped(-self.f);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::supplied(self.f * c.speed[0])
     }
 }

@@ -16,11 +16,11 @@ impl Component for IdealForceSource {
         TRANSLATION.effort_source()
     }
 
-    fn torques(&self, c: &Law, f: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, f: &mut [Torque]) {
         f[0] = undamped(-c.scalar(0));
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::supplied(c.scalar(0) * c.speed[0])
     }
 }

@@ -19,11 +19,11 @@ impl Component for IdealVelocitySource {
         TRANSLATION.speed_source()
     }
 
-    fn speeds(&self, c: &Law, v: &mut [f64], dv: &mut [f64]) {
+    fn speeds(&self, c: &Known, v: &mut [f64], dv: &mut [f64]) {
         (v[0], dv[0]) = (c.scalar(0), c.scalar(1));
     }
 
-    fn measure(&self, c: &Law, _needs: Needs, y: &mut [f64]) {
+    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
         y[0] = -c.torque[0];
     }
 }

@@ -71,7 +71,7 @@ impl Component for LeadScrew {
         self.mesh().part(Domain::Translational, self.direction.ratio(self.lead / TAU))
     }
 
-    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+    fn mesh_losses(&self, _c: &Flowing, _speed: &[f64], losses: &mut [DryMesh]) {
         losses.fill(self.mesh().dry());
     }
 }

@@ -35,7 +35,7 @@ impl Component for RackAndPinion {
         self.losses.mesh().part(Domain::Translational, self.direction.ratio(self.radius))
     }
 
-    fn mesh_losses(&self, _c: &Law, _speed: &[f64], losses: &mut [DryMesh]) {
+    fn mesh_losses(&self, _c: &Flowing, _speed: &[f64], losses: &mut [DryMesh]) {
         losses.fill(self.losses.mesh().dry());
     }
 }

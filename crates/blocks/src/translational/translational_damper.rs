@@ -23,11 +23,11 @@ impl Component for TranslationalDamper {
         TRANSLATION.damped().heat_port(self.heat_port)
     }
 
-    fn torques(&self, c: &Law, f: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, f: &mut [Torque]) {
         f[0] = Torque { value: self.d * c.speed[0], slope: self.d };
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::dissipated(self.d * c.speed[0] * c.speed[0])
     }
 }

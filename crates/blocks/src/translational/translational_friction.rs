@@ -66,15 +66,15 @@ impl Component for TranslationalFriction {
         self.law().part(&TRANSLATION).heat_port(self.heat_port)
     }
 
-    fn grips(&self, c: &Law, grips: &mut [Grip]) {
+    fn grips(&self, c: &Flowing, grips: &mut [Grip]) {
         grips[0] = self.law().grip(c.speed[0]);
     }
 
-    fn torques(&self, c: &Law, f: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, f: &mut [Torque]) {
         self.law().loads(c, f);
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         self.law().energy(c)
     }
 }

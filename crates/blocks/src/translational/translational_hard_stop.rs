@@ -53,19 +53,19 @@ impl Component for TranslationalHardStop {
         self.travel().events(TRANSLATION.elastic(self.x0)).guards_of_state()
     }
 
-    fn torques(&self, c: &Law, f: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, f: &mut [Torque]) {
         f[0] = self.travel().load(c.x[0], c.speed[0]);
     }
 
-    fn guards(&self, c: &Law, g: &mut [f64]) {
+    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
         self.travel().guards(c.x[0], c.speed[0], g);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         self.travel().energy(c.x[0], c.speed[0])
     }
 }

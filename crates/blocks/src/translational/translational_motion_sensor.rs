@@ -22,7 +22,7 @@ impl Component for TranslationalMotionSensor {
         TRANSLATION.motion_sensor(self.x0)
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }
 }

@@ -28,15 +28,15 @@ impl Component for TranslationalSpring {
         TRANSLATION.elastic(self.x0)
     }
 
-    fn torques(&self, c: &Law, f: &mut [Torque]) {
+    fn torques(&self, c: &Flowing, f: &mut [Torque]) {
         f[0] = undamped(self.k * c.x[0]);
     }
 
-    fn derivatives(&self, c: &Law, dx: &mut [f64]) {
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }
 
-    fn energy(&self, c: &Law) -> Energy {
+    fn energy(&self, c: &Flowing) -> Energy {
         Energy::stored(0.5 * self.k * c.x[0] * c.x[0])
     }
 }

@@ -463,7 +463,7 @@ fn hold(
     (x, d, Some(held))
 }
 
-/// Declares the outputs of a member; returns, for each group, the need that its component knows those by which it computes, and the
+/// Declares the outputs of a member; returns, for each group, the needs of the outputs that its component computes, and the
 /// outputs that are numbers of the network. A sensor that
 /// reads states alone closes no algebraic loop: `early`. Of what follows from states alone, that which nobody reads stands apart
 /// from what is evaluated between major steps. What sources add to is not known before they are: `shifted`; nor is heat before
@@ -474,7 +474,7 @@ fn measures(
     (electrical, shifted): (bool, bool),
     early: bool,
     late: bool,
-) -> ([Option<Needs>; 4], Vec<Read>) {
+) -> ([Vec<Needs>; 4], Vec<Read>) {
     let charge = if member.is_charge_read(early) { CHARGE } else { STATE };
     let group = |declared: Needs| match declared {
         Needs::State if shifted => ELECTRICS,
@@ -492,9 +492,11 @@ fn measures(
     }
     let outputs = || member.part.outputs.iter().zip(&member.part.readings);
     let measures = [STATE, ELECTRICS, MOTION, CHARGE].map(|wanted| {
-        let mut computed =
-            outputs().filter(|(_, reading)| reading.is_none()).map(|((_, declared), _)| *declared);
-        computed.find(|declared| group(*declared) == wanted)
+        let computes = |declared: &Needs| {
+            group(*declared) == wanted
+                && outputs().any(|((_, other), reading)| reading.is_none() && other == declared)
+        };
+        [Needs::State, Needs::Electrics, Needs::Motion].into_iter().filter(computes).collect()
     });
     let places = member.part.outputs.iter().scan(0, |next, (output, _)| {
         *next += output.port_type.shape.len();

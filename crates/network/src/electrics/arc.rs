@@ -174,7 +174,7 @@ impl Network {
                 let Some(component) = seat.component() else { continue };
                 let mut flux = std::mem::take(&mut w.flux);
                 self.winding_voltages(crossing.member, w, &mut flux);
-                component.strike(&self.law(c, seat, w), &flux, &mut x[seat.x.clone()]);
+                component.strike(&self.fed_law(c, seat, w), &flux, &mut x[seat.x.clone()]);
                 w.flux = flux;
             }
         }

@@ -53,7 +53,7 @@ impl Network {
         w: &mut Work,
     ) -> Result<(), Faulty> {
         let mut room = std::mem::take(&mut w.characteristics);
-        self.ratios(island, c, w, &mut room.ratio);
+        self.ratios(island, c, &mut room.ratio);
         self.equations(island, w, &mut room);
         let found = self.search(island, c, w, &mut room);
         if found.is_ok() {
@@ -220,7 +220,7 @@ impl Network {
                 let voltage = &room.trial[first..first + m];
                 let current = &mut room.current[own.clone()];
                 let mut view = Characteristics::new(&seat.places, voltage, current, &mut room.slope);
-                component.characteristics(&self.law(c, seat, w), &mut view);
+                component.characteristics(&self.moving_law(c, seat, w), &mut view);
             }
             for (row, number) in own.clone().enumerate() {
                 let conductance = self.electrics.characteristics[number].conductance;

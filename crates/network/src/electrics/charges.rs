@@ -37,7 +37,7 @@ impl Network {
         w.own = own;
         for seat in circuit.rated.iter().map(|i| &self.seats[*i]) {
             let Some(component) = seat.component() else { continue };
-            let law = self.law(c, seat, w);
+            let law = self.moving_law(c, seat, w);
             if let Some(first) =
                 self.electrics.slope_of(seat.sources.start).filter(|_| !seat.sources.is_empty())
             {

@@ -28,7 +28,7 @@ impl Network {
             return Ok(());
         }
         let mut room = std::mem::take(&mut w.convert);
-        self.ratios(island, c, w, &mut room.ratio);
+        self.ratios(island, c, &mut room.ratio);
         self.assemble(island, w, &mut room);
         let solved = solve(&mut room.matrix, &mut room.right);
         for (k, (_, number)) in circuit.transformers.iter().enumerate() {
@@ -53,12 +53,12 @@ impl Network {
     }
 
     /// Ratios of the variable transformers of an island, by the number of a transformer.
-    pub(crate) fn ratios(&self, island: usize, c: &Context, w: &Work, ratio: &mut [f64]) {
+    pub(crate) fn ratios(&self, island: usize, c: &Context, ratio: &mut [f64]) {
         for member in &self.electrics.islands[island].members {
             let own = &mut ratio[self.electrics.places[*member].transformers.clone()];
             let seat = &self.seats[*member];
             if let Some(component) = seat.member.block.component().filter(|_| !own.is_empty()) {
-                component.ratios(&self.law(c, seat, w), own);
+                component.ratios(&self.known_law(c, seat), own);
             }
         }
     }

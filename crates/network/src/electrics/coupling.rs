@@ -2,7 +2,7 @@
 //! coupling step, means of what it does for those who look at it, whether the speeds came as expected, and what errors remain.
 
 use blocksim_block::Context;
-use blocksim_block::physical::{Element, Law, Supply};
+use blocksim_block::physical::{Element, Flowing, Supply};
 use blocksim_block::problem::Problem;
 use blocksim_solve::linear::cholesky_solve;
 
@@ -118,12 +118,12 @@ impl Network {
 
     /// Lets a member of such a circuit measure what needs voltages: on the mean of a coupling step.
     pub(crate) fn measure_mean(&self, c: &Context, seat: &Seat, held: &Held, w: &Work, y: &mut [f64]) {
-        let law = self.law(c, seat, w);
+        let law = self.flowing_law(c, seat, w);
         let elements = &seat.member.part.elements;
         let reads_currents = elements.iter().all(|e| matches!(e, Element::CurrentProbe { .. }));
         // Before the first step there is nothing to be averaged.
         if c.d[held.times + 1] <= 0.0 || reads_currents {
-            seat.measure(&law, ELECTRICS, y);
+            seat.measure_flowing(&law, ELECTRICS, y);
             return;
         }
         let means = &c.d[held.mean.clone()];
@@ -131,7 +131,9 @@ impl Network {
         let (voltage, rest) = rest.split_at(seat.two_pins.len());
         let (current, supply) = rest.split_at(seat.two_pins.len());
         let supply = Supply { voltage: [supply[0], supply[1]], zero: supply[2], ..*law.supply };
-        seat.measure(&Law { x, voltage, current, supply: &supply, ..law }, ELECTRICS, y);
+        let mut mean = Flowing { voltage, current, ..law };
+        (mean.x, mean.supply) = (x, &supply);
+        seat.measure_flowing(&mean, ELECTRICS, y);
     }
 
     /// In how many parts a circuit is to take the coupling step that begins now, by what the last ones have shown.

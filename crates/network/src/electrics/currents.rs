@@ -23,7 +23,7 @@ impl Network {
             if seat.is_capacitance {
                 let own = &mut given[seat.sources.clone()];
                 if !seat.gives.voltages(c, own) {
-                    seat.member.part.write_voltages(component, &self.own_law(c, seat, w), own);
+                    seat.member.part.write_voltages(component, &self.moving_own_law(c, seat, w), own);
                 }
             }
         }
@@ -55,6 +55,7 @@ impl Network {
         members: &[usize],
         which: impl Fn(GivenBy) -> bool,
     ) {
+        let by_voltages = which(GivenBy::Voltage);
         let first = self.electrics.sources;
         for seat in members.iter().map(|i| &self.seats[*i]) {
             // A component writes all its currents; those that wait for a voltage are written again.
@@ -66,13 +67,13 @@ impl Network {
                 continue;
             }
             let Some(component) = seat.component() else { continue };
-            let law = self.law(c, seat, w);
             match seat.role {
                 Role::Machine(_) => {
-                    let phases = from_space_vector(component.line_current(&law));
+                    let phases = from_space_vector(component.line_current(&self.fed_law(c, seat, w)));
                     own.iter_mut().zip(phases).for_each(|(to, current)| *to = current);
                 }
-                _ => seat.member.part.write_currents(component, &law, own),
+                _ if by_voltages => component.currents_by_voltages(&self.flowing_law(c, seat, w), own),
+                _ => seat.member.part.write_currents(component, &self.moving_law(c, seat, w), own),
             }
         }
     }
@@ -109,13 +110,13 @@ impl Network {
     fn fed(&self, c: &Context, w: &mut Work) {
         for seat in self.active.sources.iter().map(|i| &self.seats[*i]) {
             if let (Some(component), Some(slot)) = (seat.component(), seat.supply) {
-                w.supply[slot] = component.supply(&self.law(c, seat, w));
+                w.supply[slot] = component.supply(&self.known_law(c, seat));
                 w.line_current[slot] = [0.0; 3];
             }
         }
         for seat in self.active.fed.iter().map(|i| &self.seats[*i]) {
             if let (Some(component), Some(slot)) = (seat.component(), seat.supply) {
-                let current = component.line_current(&self.law(c, seat, w));
+                let current = component.line_current(&self.fed_law(c, seat, w));
                 w.line_current[slot].iter_mut().zip(current).for_each(|(sum, i)| *sum += i);
             }
         }
@@ -132,7 +133,7 @@ impl Network {
                 continue;
             }
             let Some(component) = seat.component() else { continue };
-            let law = self.own_law(c, seat, w);
+            let law = self.moving_own_law(c, seat, w);
             match (seat.role, seat.supply) {
                 (Role::Source, Some(slot)) => {
                     let supply = component.supply(&law);
@@ -242,7 +243,7 @@ impl Network {
         let mut gates = std::mem::take(&mut w.gates);
         for seat in members.filter(|seat| !seat.valves.is_empty()) {
             if let Some(component) = seat.component() {
-                component.gates(&self.law(c, seat, w), &mut gates[seat.valves.clone()]);
+                component.gates(&self.known_law(c, seat), &mut gates[seat.valves.clone()]);
             }
         }
         w.gates = gates;

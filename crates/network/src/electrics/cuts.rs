@@ -54,13 +54,13 @@ impl Network {
                 flux.extend(rows.map(|row| row.iter().zip(&room.phi).map(|(w, psi)| w * psi).sum::<f64>()));
                 room.state.clear();
                 room.state.extend_from_slice(&w.own[at..at + seat.x.len()]);
-                component.strike(&self.own_law(c, seat, w), &flux, &mut room.state);
+                component.strike(&self.fed_own_law(c, seat, w), &flux, &mut room.state);
                 w.own[at..at + seat.x.len()].copy_from_slice(&room.state);
                 w.flux = flux;
                 let first = self.electrics.sources;
                 let mut given = std::mem::take(&mut w.given);
                 let own = &mut given[first + seat.windings.start..first + seat.windings.end];
-                seat.member.part.write_currents(component, &self.law(c, seat, w), own);
+                seat.member.part.write_currents(component, &self.moving_law(c, seat, w), own);
                 w.given = given;
             }
             w.float = room;

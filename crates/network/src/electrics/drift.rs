@@ -121,7 +121,7 @@ impl Network {
         let seats = || circuit.members.iter().map(|i| &self.seats[*i]).filter(|seat| !seat.x.is_empty());
         for seat in seats() {
             if let Some(component) = seat.component() {
-                component.derivatives(&self.law(c, seat, w), &mut ahead.rates[seat.x.clone()]);
+                component.derivatives(&self.flowing_law(c, seat, w), &mut ahead.rates[seat.x.clone()]);
             }
         }
         for shift in &circuit.shifts {

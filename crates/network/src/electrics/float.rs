@@ -45,7 +45,7 @@ impl Network {
             room.internal.resize(m, 0.0);
             room.inverse.clear();
             room.inverse.resize(m * m, 0.0);
-            component.reluctance(&self.law(c, seat, w), &mut room.internal, &mut room.inverse);
+            component.reluctance(&self.flowing_law(c, seat, w), &mut room.internal, &mut room.inverse);
             self.winding_voltages(crossing.member, w, &mut room.voltage);
             room.product.clear();
             room.product.resize(m * k, 0.0);

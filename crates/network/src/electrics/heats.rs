@@ -25,7 +25,7 @@ impl Network {
             let ports = heats[first..].iter().take_while(|heat| heat.member == member).count();
             let seat = &self.seats[member];
             if let Some(component) = seat.component() {
-                let law = self.law(c, seat, w);
+                let law = self.flowing_law(c, seat, w);
                 let dissipated = component.energy(&law).dissipated + self.booked(seat, w);
                 component.heats(&law, dissipated, &mut flows[first..first + ports]);
             }

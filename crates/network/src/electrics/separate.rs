@@ -304,7 +304,7 @@ impl Network {
             copy(&mut x, &room.d[seat.x.clone()]);
             copy(&mut memory, &room.d[seat.d.clone()]);
             let here = Context { t, d: &room.d, ..*c };
-            changed |= component.jump(&self.law(&here, seat, w), &mut x, &mut memory);
+            changed |= component.jump(&self.flowing_law(&here, seat, w), &mut x, &mut memory);
             room.d[seat.x.clone()].copy_from_slice(&x);
             room.d[seat.d.clone()].copy_from_slice(&memory);
             (room.start, room.slope) = (x, memory);
@@ -314,7 +314,7 @@ impl Network {
             self.circuit(separate.island, &here, w)?;
         }
         let seats = separate.members.iter().map(|i| &self.seats[*i]).filter(|s| s.member.part.time_events);
-        let times = seats.filter_map(|s| Some(s.component()?.next_event(&self.law(&here, s, w))));
+        let times = seats.filter_map(|s| Some(s.component()?.next_event(&self.known_law(&here, s))));
         Ok(times.fold(f64::INFINITY, f64::min))
     }
 
@@ -404,7 +404,7 @@ impl Network {
         let mut i = 0;
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(component) = seat.component() else { continue };
-            let law = self.law(&here, seat, w);
+            let law = self.flowing_law(&here, seat, w);
             if !seat.x.is_empty() {
                 component.derivatives(&law, &mut room.slope[i..i + seat.x.len()]);
                 if seat.shifted.is_some() {

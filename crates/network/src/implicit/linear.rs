@@ -22,7 +22,7 @@ impl Network {
         for linear in &mut members {
             let seat = &self.seats[linear.seat];
             let Some(component) = seat.component() else { continue };
-            component.linearize(&self.law(c, seat, w), &mut linear.a, &mut linear.sb, &mut linear.c);
+            component.linearize(&self.flowing_law(c, seat, w), &mut linear.a, &mut linear.sb, &mut linear.c);
             let n = linear.c.len();
             linear.a.iter_mut().for_each(|a| *a *= -hg);
             (0..n).for_each(|i| linear.a[i * n + i] += 1.0);

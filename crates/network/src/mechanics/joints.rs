@@ -42,7 +42,7 @@ impl Network {
         for (i, speed) in self.frames.speeds.iter().enumerate() {
             w.joint_speed[i] = r.joints[i].of(v) + r.joints_prescribed[i].of(&w.s);
             let q = speed.position.map_or(0.0, |at| q[at]);
-            w.joint_motion[speed.user] = JointMotion { q, w: w.joint_speed[i], a: 0.0, drive: 0.0 };
+            w.joint_motion[speed.user] = JointMotion { q, w: w.joint_speed[i] };
         }
         for (ball, to) in self.frames.balls.iter().zip(&mut w.orientation) {
             let p = four(q, ball.position);
@@ -62,7 +62,7 @@ impl Network {
         for seat in self.active.joints.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.component() {
                 torque[seat.joint.clone()].fill(Torque::default());
-                component.joint_torques(&self.law(c, seat, w), &mut torque[seat.joint.clone()]);
+                component.joint_torques(&self.moving_law(c, seat, w), &mut torque[seat.joint.clone()]);
             }
         }
         for (to, speed) in w.joint_torque.iter_mut().zip(&self.frames.speeds) {
@@ -82,11 +82,11 @@ impl Network {
         let r = &self.rotation;
         for (i, speed) in self.frames.speeds.iter().enumerate() {
             w.joint_acceleration[i] = r.joints[i].of(&w.dv) + r.joints_prescribed[i].of(&w.ds);
-            w.joint_motion[speed.user].a = w.joint_acceleration[i];
+            w.joint_load[speed.user].a = w.joint_acceleration[i];
         }
         for (ball, p) in self.frames.balls.iter().zip(&w.orientation).filter(|(ball, _)| ball.flipped) {
             let a = -rotation(*p).tr_mul(&three(&w.joint_acceleration, ball.speed));
-            (0..3).for_each(|k| w.joint_motion[ball.user + k].a = a[k]);
+            (0..3).for_each(|k| w.joint_load[ball.user + k].a = a[k]);
         }
     }
 

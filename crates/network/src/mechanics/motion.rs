@@ -79,7 +79,7 @@ impl Network {
                     *to = Torque { value, slope: 0.0 };
                 }
             } else if let Some(component) = seat.component() {
-                component.torques(&self.law(c, seat, w), &mut torque[seat.branches.clone()]);
+                component.torques(&self.flowing_law(c, seat, w), &mut torque[seat.branches.clone()]);
             }
         }
         w.torque = torque;
@@ -239,7 +239,7 @@ impl Network {
             self.joint_residuals(w);
         }
         for (speed, drive) in self.frames.speeds.iter().zip(&r.drives) {
-            w.joint_motion[speed.user].drive = drive.of(&w.residual);
+            w.joint_load[speed.user].drive = drive.of(&w.residual);
         }
         for (i, pin) in r.pins.iter().enumerate() {
             w.pin_acceleration[i] = pin.speed.of(&w.dv) + pin.prescribed.of(&w.ds);

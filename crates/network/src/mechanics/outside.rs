@@ -1,7 +1,7 @@
 //! What acts on bodies from outside, and bodies that come and go.
 
 use blocksim_block::Context;
-use blocksim_block::physical::Wrench;
+use blocksim_block::physical::{FrameAcceleration, Wrench};
 use blocksim_multibody::{Force, add_force, forward_accelerations, forward_velocities};
 
 use crate::network::Network;
@@ -21,9 +21,9 @@ impl Network {
     pub(crate) fn frame_accelerations(&self, q: &[f64], w: &mut Work) {
         let (Some(model), Some(data)) = (&self.frames.model, &mut w.data) else { return };
         forward_accelerations(model, data, q, &w.joint_speed, &w.joint_acceleration);
-        for (to, probe) in w.frame_motion.iter_mut().zip(&self.frames.probes) {
+        for (to, probe) in w.frame_acceleration.iter_mut().zip(&self.frames.probes) {
             let found = probe.place.acceleration(data);
-            (to.angular_acceleration, to.acceleration) = (found.angular.into(), found.linear.into());
+            *to = FrameAcceleration { angular: found.angular.into(), linear: found.linear.into() };
         }
     }
 
@@ -36,7 +36,7 @@ impl Network {
         for seat in self.active.frames.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.component() {
                 wrench[seat.frames.clone()].fill(Wrench::default());
-                component.wrenches(&self.law(c, seat, w), &mut wrench[seat.frames.clone()]);
+                component.wrenches(&self.moving_law(c, seat, w), &mut wrench[seat.frames.clone()]);
             }
         }
         w.wrench = wrench;
@@ -55,7 +55,7 @@ impl Network {
         for (k, payload) in self.frames.payloads.iter().enumerate() {
             let seat = &self.seats[payload.member];
             if let Some(component) = seat.component() {
-                w.load[k] = component.load(&self.law(c, seat, w));
+                w.load[k] = component.load(&self.known_law(c, seat));
             }
         }
         self.weigh(w);

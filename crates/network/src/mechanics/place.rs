@@ -38,7 +38,7 @@ impl Place {
             .map_or_else(Motion::default, |body| data.world_acceleration(body, &self.placement.translation))
     }
 
-    /// Pose and velocity, for components; accelerations are not known yet.
+    /// Pose and velocity, for components.
     pub(crate) fn motion(&self, data: &Data) -> FrameMotion {
         let (at, velocity) = (self.in_world(data), self.velocity(data));
         FrameMotion {
@@ -46,8 +46,6 @@ impl Place {
             position: at.translation.into(),
             angular: velocity.angular.into(),
             velocity: velocity.linear.into(),
-            angular_acceleration: [0.0; 3],
-            acceleration: [0.0; 3],
         }
     }
 }

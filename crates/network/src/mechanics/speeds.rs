@@ -19,7 +19,7 @@ impl Network {
             for seat in self.active.speed_sources.iter().map(|i| &self.seats[*i]) {
                 if let Some(component) = seat.component() {
                     let range = seat.speed_sources.clone();
-                    component.speeds(&self.law(c, seat, w), &mut s[range.clone()], &mut ds[range]);
+                    component.speeds(&self.known_law(c, seat), &mut s[range.clone()], &mut ds[range]);
                 }
             }
             (w.s, w.ds) = (s, ds);

@@ -5,7 +5,9 @@ mod energies;
 mod linear;
 mod loops;
 
-use blocksim_block::physical::{DryMesh, FrameMotion, Grip, JointMotion, Supply, Torque, Wrench};
+use blocksim_block::physical::{
+    DryMesh, FrameAcceleration, FrameMotion, Grip, JointLoad, JointMotion, Supply, Torque, Wrench,
+};
 use blocksim_multibody::{Data, Model};
 
 use self::circuits::{CharacteristicRoom, Convert, FloatRoom, Room};
@@ -27,8 +29,6 @@ const AT_REST: FrameMotion = FrameMotion {
     position: [0.0; 3],
     angular: [0.0; 3],
     velocity: [0.0; 3],
-    angular_acceleration: [0.0; 3],
-    acceleration: [0.0; 3],
 };
 
 /// Values of one evaluation.
@@ -44,9 +44,11 @@ pub(crate) struct Work {
     pub joint_acceleration: Vec<f64>,
     pub joint_outside: Vec<f64>,
     pub joint_motion: Vec<JointMotion>,
+    pub joint_load: Vec<JointLoad>,
     /// Orientation of each ball as its member sees it.
     pub orientation: Vec<[f64; 4]>,
     pub frame_motion: Vec<FrameMotion>,
+    pub frame_acceleration: Vec<FrameAcceleration>,
     pub wrench: Vec<Wrench>,
     pub load: Vec<f64>,
     pub pin_speed: Vec<f64>,
@@ -161,8 +163,10 @@ impl Work {
             joint_acceleration: vec![0.0; j],
             joint_outside: vec![0.0; j],
             joint_motion: vec![JointMotion::default(); j],
+            joint_load: vec![JointLoad::default(); j],
             orientation: vec![[1.0, 0.0, 0.0, 0.0]; network.frames.balls.len()],
             frame_motion: vec![AT_REST; network.frames.probes.len()],
+            frame_acceleration: vec![FrameAcceleration::default(); network.frames.probes.len()],
             wrench: vec![Wrench::default(); network.frames.probes.len()],
             load: vec![0.0; network.frames.payloads.len()],
             pin_speed: vec![0.0; r.pins.len()],

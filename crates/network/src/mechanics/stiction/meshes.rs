@@ -26,7 +26,7 @@ impl Network {
         for seat in self.active.dry.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.component() {
                 let range = seat.dry.clone();
-                component.mesh_losses(&self.law(c, seat, w), &speed[range.clone()], &mut dry[range]);
+                component.mesh_losses(&self.flowing_law(c, seat, w), &speed[range.clone()], &mut dry[range]);
             }
         }
         for ((place, law), mode) in self.stiction.parts[first..].iter().zip(&dry).zip(modes) {

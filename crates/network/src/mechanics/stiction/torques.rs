@@ -17,7 +17,7 @@ impl Network {
         let mut grip = std::mem::take(&mut w.grip);
         for seat in self.active.frictions.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.component() {
-                component.grips(&self.law(c, seat, w), &mut grip[seat.frictions.clone()]);
+                component.grips(&self.flowing_law(c, seat, w), &mut grip[seat.frictions.clone()]);
             }
         }
         let torques = w.torque[self.stiction.first..].iter_mut();
