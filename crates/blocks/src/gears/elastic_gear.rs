@@ -3,6 +3,7 @@ use blocksim_block::prelude::*;
 
 use super::mesh::{Direction, EachWay};
 use crate::mechanics::contact::SpringDamper;
+use crate::mechanics::elastic::ElasticLaw;
 
 /// Gear whose teeth and shafts give way: ratio, losses, then stiffness, damping and backlash on the output side.
 ///

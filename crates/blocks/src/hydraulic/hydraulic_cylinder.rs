@@ -3,6 +3,7 @@ use blocksim_block::prelude::*;
 
 use super::fluid_volume::TYPICAL_PRESSURE;
 use crate::mechanics::contact::Travel;
+use crate::mechanics::elastic::ElasticLaw;
 use crate::multibody::joint_limit::JointLimit;
 
 /// The fluid in both chambers, and what the piston displaces of it.

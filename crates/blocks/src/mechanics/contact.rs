@@ -2,26 +2,26 @@
 
 use blocksim_block::prelude::*;
 
+use super::elastic::ElasticLaw;
 use crate::multibody::axis::spring_energy;
 use crate::multibody::joint_limit::JointLimit;
 
 /// Spring and damper side by side, with play between the flanks if there is any. Units are those of rotation; in
 /// translation N/m, N*s/m and m.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SpringDamper {
+pub struct SpringDamper {
     /// Stiffness, N*m/rad.
-    pub k: f64,
+    pub(crate) k: f64,
     /// Damping, N*m*s/rad.
-    pub d: f64,
+    pub(crate) d: f64,
     /// Play from one contact to the other, rad.
-    pub backlash: f64,
+    pub(crate) backlash: f64,
     /// Width over which a contact sets in, rad; with backlash only.
-    pub transition: f64,
+    pub(crate) transition: f64,
 }
 
-impl SpringDamper {
-    /// What it transmits at a deflection and a speed.
-    pub(crate) fn load(&self, deflection: f64, speed: f64) -> Torque {
+impl ElasticLaw for SpringDamper {
+    fn load(&self, deflection: f64, speed: f64) -> Torque {
         if self.backlash == 0.0 {
             return Torque { value: self.k * deflection + self.d * speed, slope: self.d };
         }
@@ -30,8 +30,7 @@ impl SpringDamper {
         Torque { value: side * push.value, slope: push.slope }
     }
 
-    /// Energy of the spring, and heat of the damper.
-    pub(crate) fn energy(&self, deflection: f64, speed: f64) -> Energy {
+    fn energy(&self, deflection: f64, speed: f64) -> Energy {
         if self.backlash == 0.0 {
             return spring_energy(self.k, self.d, deflection, speed);
         }
@@ -39,8 +38,7 @@ impl SpringDamper {
         self.flank().energy(deflection.abs() - 0.5 * self.backlash, side * speed)
     }
 
-    /// Adds what happens where flanks meet and part; nothing without play.
-    pub(crate) fn events(&self, part: Part) -> Part {
+    fn events(&self, part: Part) -> Part {
         if self.backlash == 0.0 {
             return part;
         }
@@ -54,10 +52,16 @@ impl SpringDamper {
         )
     }
 
-    /// How far the flanks are from pressing, at a deflection and a speed, and from having set in.
-    pub(crate) fn guards(&self, deflection: f64, speed: f64, g: &mut [f64]) {
+    fn guards(&self, deflection: f64, speed: f64, g: &mut [f64]) {
         let depths = [-1.0, 1.0].map(|side| (side * deflection - 0.5 * self.backlash, side * speed));
         write_distances(&self.flank(), depths, g);
+    }
+}
+
+impl SpringDamper {
+    /// A spring alone.
+    pub(crate) fn spring(k: f64) -> Self {
+        Self { k, d: 0.0, backlash: 0.0, transition: 0.0 }
     }
 
     fn flank(&self) -> JointLimit {
@@ -96,23 +100,21 @@ fn write_distances(law: &JointLimit, depths: [(f64, f64); 2], g: &mut [f64]) {
 
 /// Free between two positions, a spring and a damper beyond them.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Travel {
-    pub lower: f64,
-    pub upper: f64,
+pub struct Travel {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
     /// Law of both ends.
-    pub end: JointLimit,
+    pub(crate) end: JointLimit,
 }
 
-impl Travel {
-    /// What the ends transmit at a position and a speed.
-    pub(crate) fn load(&self, position: f64, speed: f64) -> Torque {
+impl ElasticLaw for Travel {
+    fn load(&self, position: f64, speed: f64) -> Torque {
         let above = self.end.push(position - self.upper, speed);
         let below = self.end.push(self.lower - position, -speed);
         Torque { value: above.value - below.value, slope: above.slope + below.slope }
     }
 
-    /// Adds what happens where an end is reached and left.
-    pub(crate) fn events(&self, part: Part) -> Part {
+    fn events(&self, part: Part) -> Part {
         with_firm(
             part.kink("lower", "leaves the lower end", "touches the lower end").kink(
                 "upper",
@@ -123,13 +125,11 @@ impl Travel {
         )
     }
 
-    /// How far both ends are from pressing, at a position and a speed, and from having set in.
-    pub(crate) fn guards(&self, position: f64, speed: f64, g: &mut [f64]) {
+    fn guards(&self, position: f64, speed: f64, g: &mut [f64]) {
         write_distances(&self.end, [(self.lower - position, -speed), (position - self.upper, speed)], g);
     }
 
-    /// Energy and heat of both ends.
-    pub(crate) fn energy(&self, position: f64, speed: f64) -> Energy {
+    fn energy(&self, position: f64, speed: f64) -> Energy {
         self.end.energy(position - self.upper, speed) + self.end.energy(self.lower - position, -speed)
     }
 }

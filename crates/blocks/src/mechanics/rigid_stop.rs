@@ -7,29 +7,28 @@ use super::quantities::Quantities;
 
 /// Free between two positions; an end is never passed. Units are those of rotation, in translation m and m/s.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct RigidStop {
-    pub lower: Option<f64>,
-    pub upper: Option<f64>,
+pub struct RigidStop {
+    pub(crate) lower: Option<f64>,
+    pub(crate) upper: Option<f64>,
     /// Part of the speed that is left after a bounce.
-    pub restitution: f64,
+    pub(crate) restitution: f64,
+    pub(crate) quantities: &'static Quantities,
+    /// Position at the start.
+    pub(crate) start: f64,
 }
 
 /// Between its ends the direction is no event.
 const AT_REST: &[Change] = &[Change::to(0.0, "rests at its end"), Change::from(0.0, "leaves its end")];
 
-impl RigidStop {
-    /// Reports a travel without an end.
-    pub(crate) fn validate(&self, errors: &mut ParamErrors) {
-        if self.lower.is_none() && self.upper.is_none() {
-            let error = ParamError::new("lower", "the travel has no end");
-            errors.add(error.help("give `lower`, `upper` or both"));
-        }
-    }
+/// Reports a travel without an end.
+pub(crate) fn without_end() -> ParamError {
+    ParamError::new("lower", "the travel has no end").help("give `lower`, `upper` or both")
+}
 
-    /// Ports, state, outputs and events.
-    pub(crate) fn part(&self, quantities: &Quantities, start: f64) -> Part {
-        let mut part = quantities.held(Element::Friction { r: 0, c: 1 }, start);
-        for (name, _) in self.ends(start) {
+impl Component for RigidStop {
+    fn part(&self, _given: &Given) -> Part {
+        let mut part = self.quantities.held(Element::Friction { r: 0, c: 1 }, self.start);
+        for (name, _) in self.ends(self.start) {
             part = match name {
                 "lower" => part.guard(name, "leaves the lower end", "touches the lower end"),
                 _ => part.guard(name, "leaves the upper end", "touches the upper end"),
@@ -38,8 +37,22 @@ impl RigidStop {
         part.friction_called(AT_REST)
     }
 
+    fn grips(&self, c: &Flowing, grips: &mut [Grip]) {
+        grips[0] = self.grip(c.x[0]);
+    }
+
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
+        self.ends(c.x[0]).zip(g).for_each(|((_, distance), g)| *g = distance);
+    }
+
+    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
+        dx[0] = c.speed[0];
+    }
+}
+
+impl RigidStop {
     /// Nothing is held within the travel, everything at its ends.
-    pub(crate) fn grip(&self, position: f64) -> Grip {
+    fn grip(&self, position: f64) -> Grip {
         let upper = self.upper.filter(|upper| position >= *upper).map(|upper| position - upper);
         let lower = self.lower.filter(|lower| position <= *lower).map(|lower| lower - position);
         let hold = [upper, lower].map(|beyond| if beyond.is_some() { f64::INFINITY } else { 0.0 });
@@ -48,10 +61,6 @@ impl RigidStop {
     }
 
     /// Distances from the ends.
-    pub(crate) fn guards(&self, position: f64, g: &mut [f64]) {
-        self.ends(position).zip(g).for_each(|((_, distance), g)| *g = distance);
-    }
-
     fn ends(&self, position: f64) -> impl Iterator<Item = (&'static str, f64)> {
         let lower = self.lower.map(|lower| ("lower", position - lower));
         lower.into_iter().chain(self.upper.map(|upper| ("upper", upper - position)))
@@ -63,7 +72,13 @@ mod tests {
     use super::*;
     use crate::translational::TranslationalRigidStop;
 
-    const FLOOR: RigidStop = RigidStop { lower: Some(0.0), upper: None, restitution: 0.5 };
+    const FLOOR: RigidStop = RigidStop {
+        lower: Some(0.0),
+        upper: None,
+        restitution: 0.5,
+        quantities: &crate::mechanics::quantities::TRANSLATION,
+        start: 1.0,
+    };
 
     #[test]
     fn it_holds_at_its_end_and_pushes_one_way() {
@@ -77,7 +92,7 @@ mod tests {
     #[test]
     fn what_makes_no_sense_is_refused() {
         let check = |stop: RigidStop, x0| {
-            let RigidStop { lower, upper, restitution } = stop;
+            let RigidStop { lower, upper, restitution, .. } = stop;
             let errors = TranslationalRigidStop { lower, upper, restitution, x0 }.errors();
             errors.first().map(|error| error.param.clone())
         };

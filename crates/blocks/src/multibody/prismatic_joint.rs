@@ -1,8 +1,8 @@
-use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{Inside, unit};
+use super::axis::Inside;
 use super::joint_limit::JointLimit;
+use super::one_axis_joint::{OneAxisJoint, SLIDES};
 
 /// A joint that slides `follower` along an axis of `base`; the axes of both frames stay parallel.
 ///
@@ -18,7 +18,7 @@ use super::joint_limit::JointLimit;
 /// PrismaticJoint(axis: [1.0, 0.0, 0.0], position: "0.2 m", lower: "0 m", upper: "0.8 m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody", symbol = Slide)]
+#[block(category = "Multibody", symbol = Slide, builds = OneAxisJoint)]
 pub struct PrismaticJoint {
     /// Direction of the axis in `base`; its length does not matter.
     #[block(direction, default = [0.0, 0.0, 1.0])]
@@ -72,48 +72,11 @@ impl PrismaticJoint {
     }
 
     fn validate(&self, errors: &mut ParamErrors) {
-        self.inside().validate(self.position, "m", errors);
-    }
-}
-
-impl Component for PrismaticJoint {
-    fn part(&self, _given: &Given) -> Part {
-        let slide =
-            Axis::new(["x", "v"], unit(self.axis)).driven(2, 3).starting(self.position, self.velocity);
-        let part = Part::new()
-            .port("base", Domain::Frame, "frame that carries the axis")
-            .port("follower", Domain::Frame, "frame that slides")
-            .port("r", Domain::Translational, "rod of the drive side")
-            .port("c", Domain::Translational, "case of the drive side")
-            .input(Input::real("force").scalar().unit("N").default(0.0).doc("force on the follower"))
-            .reads("x", "m", Reading::JointPosition(0), "position of the follower against the base")
-            .reads("v", "m/s", Reading::JointSpeed(0), "speed of the follower against the base")
-            .reads(
-                "a",
-                "m/s^2",
-                Reading::JointAcceleration(0),
-                "acceleration of the follower against the base",
-            )
-            .measures("f", "N", Needs::Motion, "force of the actuators: input and drive side")
-            .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Slide(slide)] });
-        self.inside().events(part, "").guards_of_state()
+        self.inside().validate(self.position, SLIDES.unit(), errors);
     }
 
-    fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {
-        let inside = self.inside().torque(c.joint[0].q, c.joint[0].w);
-        tau[0] = Torque { value: inside.value + c.scalar(0), slope: inside.slope };
-    }
-
-    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        self.inside().guards(c.joint[0].q, c.joint[0].w, g);
-    }
-
-    fn energy(&self, c: &Flowing) -> Energy {
-        let joint = c.joint[0];
-        self.inside().energy(joint.q, joint.w) + Energy::supplied(c.scalar(0) * joint.w)
-    }
-
-    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
-        y[3] = c.scalar(0) + c.joint_load[0].drive;
+    fn build(self, _errors: &mut ParamErrors) -> Option<OneAxisJoint> {
+        let Self { axis, position, velocity, .. } = self;
+        Some(OneAxisJoint { words: &SLIDES, axis, position, velocity, inside: self.inside() })
     }
 }

@@ -1,8 +1,8 @@
-use blocksim_block::physical::{Axis, Domain, Element, Freedom};
 use blocksim_block::prelude::*;
 
-use super::axis::{Inside, unit};
+use super::axis::Inside;
 use super::joint_limit::JointLimit;
+use super::one_axis_joint::{OneAxisJoint, TURNS};
 
 /// A joint that turns `follower` about an axis of `base`; both origins coincide.
 ///
@@ -25,7 +25,7 @@ use super::joint_limit::JointLimit;
 /// RevoluteJoint(axis: [0.0, 1.0, 0.0], position: "30 deg", lower: "-95 deg", upper: "155 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Multibody", symbol = Hinge)]
+#[block(category = "Multibody", symbol = Hinge, builds = OneAxisJoint)]
 pub struct RevoluteJoint {
     /// Direction of the axis in `base`; its length does not matter.
     #[block(direction, default = [0.0, 0.0, 1.0])]
@@ -79,53 +79,19 @@ impl RevoluteJoint {
     }
 
     fn validate(&self, errors: &mut ParamErrors) {
-        self.inside().validate(self.position, "rad", errors);
-    }
-}
-
-impl Component for RevoluteJoint {
-    fn part(&self, _given: &Given) -> Part {
-        let turn = Axis::new(["q", "w"], unit(self.axis)).driven(2, 3).starting(self.position, self.velocity);
-        let part = Part::new()
-            .port("base", Domain::Frame, "frame that carries the axis")
-            .port("follower", Domain::Frame, "frame that turns")
-            .port("r", Domain::Rotational, "rod of the drive side")
-            .port("c", Domain::Rotational, "case of the drive side")
-            .input(Input::real("torque").scalar().unit("N*m").default(0.0).doc("torque on the follower"))
-            .reads("q", "rad", Reading::JointPosition(0), "angle of the follower against the base")
-            .reads("w", "rad/s", Reading::JointSpeed(0), "speed of the follower against the base")
-            .reads(
-                "a",
-                "rad/s^2",
-                Reading::JointAcceleration(0),
-                "acceleration of the follower against the base",
-            )
-            .measures("tau", "N*m", Needs::Motion, "torque of the actuators: input and drive side")
-            .element(Element::Joint { base: 0, follower: 1, freedoms: vec![Freedom::Turn(turn)] });
-        self.inside().events(part, "").guards_of_state()
+        self.inside().validate(self.position, TURNS.unit(), errors);
     }
 
-    fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {
-        let inside = self.inside().torque(c.joint[0].q, c.joint[0].w);
-        tau[0] = Torque { value: inside.value + c.scalar(0), slope: inside.slope };
-    }
-
-    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        self.inside().guards(c.joint[0].q, c.joint[0].w, g);
-    }
-
-    fn energy(&self, c: &Flowing) -> Energy {
-        let joint = c.joint[0];
-        self.inside().energy(joint.q, joint.w) + Energy::supplied(c.scalar(0) * joint.w)
-    }
-
-    fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {
-        y[3] = c.scalar(0) + c.joint_load[0].drive;
+    fn build(self, _errors: &mut ParamErrors) -> Option<OneAxisJoint> {
+        let Self { axis, position, velocity, .. } = self;
+        Some(OneAxisJoint { words: &TURNS, axis, position, velocity, inside: self.inside() })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use blocksim_block::physical::{Element, Freedom};
+
     use super::*;
 
     const JOINT: RevoluteJoint = RevoluteJoint {
@@ -144,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_axis_is_normalised() {
-        let part = JOINT.part(&Given::nothing());
+        let part = JOINT.built().part(&Given::nothing());
         let Element::Joint { freedoms, .. } = &part.elements[0] else { panic!("no joint") };
         assert!(matches!(&freedoms[..], [Freedom::Turn(axis)] if axis.direction == [0.0, 0.0, 1.0]));
     }

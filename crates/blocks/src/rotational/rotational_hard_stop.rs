@@ -1,6 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::contact::Travel;
+use crate::mechanics::elastic::Elastic;
 use crate::mechanics::quantities::ROTATION;
 use crate::multibody::joint_limit::JointLimit;
 
@@ -16,7 +17,7 @@ use crate::multibody::joint_limit::JointLimit;
 /// RotationalHardStop(lower: "-90 deg", upper: "90 deg", stiffness: "1e5 N*m/rad", damping: "50 N*m*s/rad")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational", symbol = HardStop)]
+#[block(category = "Rotational", symbol = HardStop, builds = Elastic<Travel>)]
 pub struct RotationalHardStop {
     /// Least angle without contact.
     #[block(unit = "rad", finite, default = -0.1)]
@@ -42,30 +43,9 @@ pub struct RotationalHardStop {
 }
 
 impl RotationalHardStop {
-    fn travel(&self) -> Travel {
-        let Self { lower, upper, stiffness, damping, transition, .. } = *self;
-        Travel { lower, upper, end: JointLimit { stiffness, damping, transition } }
-    }
-}
-
-impl Component for RotationalHardStop {
-    fn part(&self, _given: &Given) -> Part {
-        self.travel().events(ROTATION.elastic(self.phi0)).guards_of_state()
-    }
-
-    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
-        tau[0] = self.travel().load(c.x[0], c.speed[0]);
-    }
-
-    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        self.travel().guards(c.x[0], c.speed[0], g);
-    }
-
-    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
-        dx[0] = c.speed[0];
-    }
-
-    fn energy(&self, c: &Flowing) -> Energy {
-        self.travel().energy(c.x[0], c.speed[0])
+    fn build(self, _errors: &mut ParamErrors) -> Option<Elastic<Travel>> {
+        let Self { lower, upper, stiffness, damping, transition, phi0 } = self;
+        let law = Travel { lower, upper, end: JointLimit { stiffness, damping, transition } };
+        Some(Elastic { law, quantities: &ROTATION, start: phi0 })
     }
 }

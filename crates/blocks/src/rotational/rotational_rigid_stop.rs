@@ -1,8 +1,7 @@
-use blocksim_block::physical::Grip;
 use blocksim_block::prelude::*;
 
 use crate::mechanics::quantities::ROTATION;
-use crate::mechanics::rigid_stop::RigidStop;
+use crate::mechanics::rigid_stop::{RigidStop, without_end};
 
 /// Rigid end of travel between two turning parts: free between two angles, and an end is never passed.
 ///
@@ -20,7 +19,7 @@ use crate::mechanics::rigid_stop::RigidStop;
 /// RotationalRigidStop(lower: "-90 deg", upper: "90 deg", restitution: 0.3)
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational", symbol = HardStop)]
+#[block(category = "Rotational", symbol = HardStop, builds = RigidStop)]
 pub struct RotationalRigidStop {
     /// Least angle; none unless given.
     #[block(unit = "rad", finite, default = None)]
@@ -40,29 +39,14 @@ pub struct RotationalRigidStop {
 }
 
 impl RotationalRigidStop {
-    fn law(&self) -> RigidStop {
-        RigidStop { lower: self.lower, upper: self.upper, restitution: self.restitution }
-    }
-
     fn validate(&self, errors: &mut ParamErrors) {
-        self.law().validate(errors);
-    }
-}
-
-impl Component for RotationalRigidStop {
-    fn part(&self, _given: &Given) -> Part {
-        self.law().part(&ROTATION, self.phi0)
+        if self.lower.is_none() && self.upper.is_none() {
+            errors.add(without_end());
+        }
     }
 
-    fn grips(&self, c: &Flowing, grips: &mut [Grip]) {
-        grips[0] = self.law().grip(c.x[0]);
-    }
-
-    fn guards(&self, c: &Flowing, g: &mut [f64]) {
-        self.law().guards(c.x[0], g);
-    }
-
-    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
-        dx[0] = c.speed[0];
+    fn build(self, _errors: &mut ParamErrors) -> Option<RigidStop> {
+        let Self { lower, upper, restitution, phi0 } = self;
+        Some(RigidStop { lower, upper, restitution, quantities: &ROTATION, start: phi0 })
     }
 }

@@ -1,6 +1,8 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{ROTATION, undamped};
+use crate::mechanics::contact::SpringDamper;
+use crate::mechanics::elastic::Elastic;
+use crate::mechanics::quantities::ROTATION;
 
 /// Torsion spring between two turning parts.
 ///
@@ -13,7 +15,7 @@ use crate::mechanics::quantities::{ROTATION, undamped};
 /// RotationalSpring(k: "10 N*m/rad")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational", symbol = Spring)]
+#[block(category = "Rotational", symbol = Spring, builds = Elastic<SpringDamper>)]
 pub struct RotationalSpring {
     /// Stiffness; zero is allowed.
     #[block(unit = "N*m/rad", not_negative)]
@@ -23,21 +25,9 @@ pub struct RotationalSpring {
     pub phi0: f64,
 }
 
-impl Component for RotationalSpring {
-    fn part(&self, _given: &Given) -> Part {
-        ROTATION.elastic(self.phi0)
-    }
-
-    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
-        tau[0] = undamped(self.k * c.x[0]);
-    }
-
-    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
-        dx[0] = c.speed[0];
-    }
-
-    fn energy(&self, c: &Flowing) -> Energy {
-        Energy::stored(0.5 * self.k * c.x[0] * c.x[0])
+impl RotationalSpring {
+    fn build(self, _errors: &mut ParamErrors) -> Option<Elastic<SpringDamper>> {
+        Some(Elastic { law: SpringDamper::spring(self.k), quantities: &ROTATION, start: self.phi0 })
     }
 }
 
@@ -48,7 +38,7 @@ mod tests {
 
     #[test]
     fn the_torque_follows_the_deflection_and_the_deflection_the_speed() {
-        let spring = RotationalSpring { k: 10.0, phi0: 0.2 };
+        let spring = RotationalSpring { k: 10.0, phi0: 0.2 }.built();
         assert_eq!(spring.part(&Given::nothing()).states[0].initial, 0.2);
         let (mut tau, mut dx) = ([Torque::default()], [0.0]);
         let c = Seen { x: &[0.3], speed: &[-4.0], ..law() }.loaded();

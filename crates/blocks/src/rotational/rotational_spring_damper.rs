@@ -1,6 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::contact::SpringDamper;
+use crate::mechanics::elastic::Elastic;
 use crate::mechanics::quantities::ROTATION;
 
 /// Elastic shaft: a torsion spring and a damper side by side, with backlash if there is any.
@@ -20,7 +21,7 @@ use crate::mechanics::quantities::ROTATION;
 /// RotationalSpringDamper(k: "2e4 N*m/rad", d: "15 N*m*s/rad", backlash: "0.02 deg")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Rotational", symbol = SpringDamper)]
+#[block(category = "Rotational", symbol = SpringDamper, builds = Elastic<SpringDamper>)]
 pub struct RotationalSpringDamper {
     /// Stiffness; zero is allowed.
     #[block(unit = "N*m/rad", not_negative)]
@@ -47,26 +48,8 @@ impl RotationalSpringDamper {
     fn validate(&self, errors: &mut ParamErrors) {
         self.law().validate(errors);
     }
-}
 
-impl Component for RotationalSpringDamper {
-    fn part(&self, _given: &Given) -> Part {
-        self.law().events(ROTATION.elastic(self.phi0)).guards_of_state()
-    }
-
-    fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
-        tau[0] = self.law().load(c.x[0], c.speed[0]);
-    }
-
-    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        self.law().guards(c.x[0], c.speed[0], g);
-    }
-
-    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
-        dx[0] = c.speed[0];
-    }
-
-    fn energy(&self, c: &Flowing) -> Energy {
-        self.law().energy(c.x[0], c.speed[0])
+    fn build(self, _errors: &mut ParamErrors) -> Option<Elastic<SpringDamper>> {
+        Some(Elastic { law: self.law(), quantities: &ROTATION, start: self.phi0 })
     }
 }

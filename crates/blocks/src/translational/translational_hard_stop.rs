@@ -1,6 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::contact::Travel;
+use crate::mechanics::elastic::Elastic;
 use crate::mechanics::quantities::TRANSLATION;
 use crate::multibody::joint_limit::JointLimit;
 
@@ -16,7 +17,7 @@ use crate::multibody::joint_limit::JointLimit;
 /// TranslationalHardStop(lower: "0 mm", upper: "400 mm", stiffness: "2e6 N/m", damping: "4e3 N*s/m")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational", symbol = HardStop)]
+#[block(category = "Translational", symbol = HardStop, builds = Elastic<Travel>)]
 pub struct TranslationalHardStop {
     /// Least position without contact.
     #[block(unit = "m", finite, default = -0.1)]
@@ -42,30 +43,9 @@ pub struct TranslationalHardStop {
 }
 
 impl TranslationalHardStop {
-    fn travel(&self) -> Travel {
-        let Self { lower, upper, stiffness, damping, transition, .. } = *self;
-        Travel { lower, upper, end: JointLimit { stiffness, damping, transition } }
-    }
-}
-
-impl Component for TranslationalHardStop {
-    fn part(&self, _given: &Given) -> Part {
-        self.travel().events(TRANSLATION.elastic(self.x0)).guards_of_state()
-    }
-
-    fn torques(&self, c: &Flowing, f: &mut [Torque]) {
-        f[0] = self.travel().load(c.x[0], c.speed[0]);
-    }
-
-    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        self.travel().guards(c.x[0], c.speed[0], g);
-    }
-
-    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
-        dx[0] = c.speed[0];
-    }
-
-    fn energy(&self, c: &Flowing) -> Energy {
-        self.travel().energy(c.x[0], c.speed[0])
+    fn build(self, _errors: &mut ParamErrors) -> Option<Elastic<Travel>> {
+        let Self { lower, upper, stiffness, damping, transition, x0 } = self;
+        let law = Travel { lower, upper, end: JointLimit { stiffness, damping, transition } };
+        Some(Elastic { law, quantities: &TRANSLATION, start: x0 })
     }
 }

@@ -1,6 +1,8 @@
 use blocksim_block::prelude::*;
 
-use crate::mechanics::quantities::{TRANSLATION, undamped};
+use crate::mechanics::contact::SpringDamper;
+use crate::mechanics::elastic::Elastic;
+use crate::mechanics::quantities::TRANSLATION;
 
 /// Spring between two sliding parts.
 ///
@@ -13,7 +15,7 @@ use crate::mechanics::quantities::{TRANSLATION, undamped};
 /// TranslationalSpring(k: "2 N/mm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational", symbol = Spring)]
+#[block(category = "Translational", symbol = Spring, builds = Elastic<SpringDamper>)]
 pub struct TranslationalSpring {
     /// Stiffness; zero is allowed.
     #[block(unit = "N/m", not_negative)]
@@ -23,21 +25,9 @@ pub struct TranslationalSpring {
     pub x0: f64,
 }
 
-impl Component for TranslationalSpring {
-    fn part(&self, _given: &Given) -> Part {
-        TRANSLATION.elastic(self.x0)
-    }
-
-    fn torques(&self, c: &Flowing, f: &mut [Torque]) {
-        f[0] = undamped(self.k * c.x[0]);
-    }
-
-    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
-        dx[0] = c.speed[0];
-    }
-
-    fn energy(&self, c: &Flowing) -> Energy {
-        Energy::stored(0.5 * self.k * c.x[0] * c.x[0])
+impl TranslationalSpring {
+    fn build(self, _errors: &mut ParamErrors) -> Option<Elastic<SpringDamper>> {
+        Some(Elastic { law: SpringDamper::spring(self.k), quantities: &TRANSLATION, start: self.x0 })
     }
 }
 

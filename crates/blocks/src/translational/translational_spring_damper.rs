@@ -1,6 +1,7 @@
 use blocksim_block::prelude::*;
 
 use crate::mechanics::contact::SpringDamper;
+use crate::mechanics::elastic::Elastic;
 use crate::mechanics::quantities::TRANSLATION;
 
 /// Elastic link: a spring and a damper side by side, with play if there is any.
@@ -19,7 +20,7 @@ use crate::mechanics::quantities::TRANSLATION;
 /// TranslationalSpringDamper(k: "1e7 N/m", d: "2e3 N*s/m", backlash: "0.02 mm")
 /// ```
 #[derive(Debug, Clone, BlockMeta)]
-#[block(category = "Translational", symbol = SpringDamper)]
+#[block(category = "Translational", symbol = SpringDamper, builds = Elastic<SpringDamper>)]
 pub struct TranslationalSpringDamper {
     /// Stiffness; zero is allowed.
     #[block(unit = "N/m", not_negative)]
@@ -46,26 +47,8 @@ impl TranslationalSpringDamper {
     fn validate(&self, errors: &mut ParamErrors) {
         self.law().validate(errors);
     }
-}
 
-impl Component for TranslationalSpringDamper {
-    fn part(&self, _given: &Given) -> Part {
-        self.law().events(TRANSLATION.elastic(self.x0)).guards_of_state()
-    }
-
-    fn torques(&self, c: &Flowing, f: &mut [Torque]) {
-        f[0] = self.law().load(c.x[0], c.speed[0]);
-    }
-
-    fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        self.law().guards(c.x[0], c.speed[0], g);
-    }
-
-    fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
-        dx[0] = c.speed[0];
-    }
-
-    fn energy(&self, c: &Flowing) -> Energy {
-        self.law().energy(c.x[0], c.speed[0])
+    fn build(self, _errors: &mut ParamErrors) -> Option<Elastic<SpringDamper>> {
+        Some(Elastic { law: self.law(), quantities: &TRANSLATION, start: self.x0 })
     }
 }

@@ -347,6 +347,16 @@ fn a_model_in_any_folder_is_identified() {
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     assert_eq!(lines(&output)[0]["base_parameter"], "Izz1");
 
+    // A damper inside the joint is not friction of the bearing.
+    let damped = model.replace("RevoluteJoint(", "RevoluteJoint(damping: \"8 N*m*s/rad\", ");
+    assert_ne!(damped, model);
+    std::fs::write(folder.file("damped.ron"), damped).unwrap();
+    let output = call(&["friction", "damped.ron", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let found = &lines(&output)[0];
+    let off = deviation(found, "bearing", "viscous");
+    assert!(off < 0.02, "the viscous friction of the bearing is off by {off}: {found}");
+
     // Without a controller of the joint, and without a model.
     let part = model.replace("\"joint.q -> error.u2, ", "\"move.q -> error.u2\", \"joint.q -> ");
     std::fs::write(folder.file("part.ron"), part).unwrap();

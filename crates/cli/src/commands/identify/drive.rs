@@ -3,7 +3,7 @@
 use blocksim_block::physical::LossModel;
 use blocksim_blocks::machines::DcMotor;
 use blocksim_blocks::mechanics::FrictionModel;
-use blocksim_blocks::multibody::RevoluteJoint;
+use blocksim_blocks::multibody::OneAxisJoint;
 use blocksim_blocks::rotational::{IdealTorqueSource, RotationalDamper, RotationalFriction};
 use blocksim_identify::{Curve, Train};
 use blocksim_network::{AxisView, Network};
@@ -46,8 +46,8 @@ impl Drive {
             torque_input: None,
         };
         let joint = members.iter().find(|member| member.path == view.path);
-        if let Some(joint) = joint.and_then(|joint| look_into::<RevoluteJoint>(&joint.block)) {
-            drive.train.beside += joint.damping;
+        if let Some(joint) = joint.and_then(|joint| look_into::<OneAxisJoint>(&joint.block)) {
+            drive.train.beside += joint.damping();
         }
         let mut beside = Vec::new();
         for part in &view.parts {
