@@ -48,6 +48,25 @@ pub struct Word {
 
 use WordCode as Code;
 
+impl Word {
+    /// The cells that it reads.
+    pub fn reads(&self) -> impl Iterator<Item = u32> {
+        let count = match self.code {
+            Code::Load => 0,
+            Code::Copy | Code::Hold | Code::Neg | Code::Power | Code::Unary(_) | Code::Not => 1,
+            Code::Add | Code::Sub | Code::Mul | Code::Div => 2,
+            Code::Binary(_) | Code::Compare(_) | Code::And | Code::Or | Code::Require => 2,
+            Code::MulAdd | Code::MulSub | Code::SubMul | Code::Clamp | Code::Select => 3,
+        };
+        [self.a, self.b, self.c].into_iter().take(count)
+    }
+
+    /// The cell that it writes, if it does.
+    pub fn writes(&self) -> Option<u32> {
+        (!matches!(self.code, Code::Hold | Code::Require)).then_some(self.to)
+    }
+}
+
 /// What an instruction of a tape does. Operands that nothing is said of are cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(missing_docs, reason = "operations are called as in mathematics")]
@@ -187,20 +206,30 @@ impl Tape {
         cell < self.temporaries || self.places.binary_search(&cell).is_ok()
     }
 
-    /// How many cells and held numbers a run needs.
-    pub fn extent(&self) -> (usize, usize) {
-        let (mut cells, mut held) = (0, 0);
+    /// The cells that a run reads or writes, and the held numbers, each once and in order.
+    pub fn names(&self) -> [Vec<u32>; 2] {
+        let (mut cells, mut held) = (Vec::new(), Vec::new());
         for word in &self.words {
-            let Word { code, to, a, b, c } = *word;
+            let Word { code, to, a, .. } = *word;
+            cells.extend(word.reads());
+            cells.extend(word.writes());
             match code {
-                Code::Load => (cells, held) = (cells.max(to + 1), held.max(a + 1)),
-                Code::Hold => (cells, held) = (cells.max(a + 1), held.max(to + 1)),
-                Code::Power => cells = cells.max(to + 1).max(a + 1),
-                // Operands that are not used are the first cell.
-                _ => cells = [to, a, b, c].into_iter().fold(cells, |cells, at| cells.max(at + 1)),
+                Code::Load => held.push(a),
+                Code::Hold => held.push(to),
+                _ => {}
             }
         }
-        (cells as usize, held as usize)
+        [cells, held].map(|mut names| {
+            names.sort_unstable();
+            names.dedup();
+            names
+        })
+    }
+
+    /// How many cells and held numbers a run needs.
+    pub fn extent(&self) -> (usize, usize) {
+        let [cells, held] = self.names().map(|names| names.last().map_or(0, |last| *last as usize + 1));
+        (cells, held)
     }
 
     /// Has a machine compute what the tape says from now on.

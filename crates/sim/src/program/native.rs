@@ -1,5 +1,6 @@
 //! Machine code in the place of tapes.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use blocksim_block::law::{Machine, Ran, Tape};
@@ -12,13 +13,8 @@ const TRIALS: u64 = 8;
 impl Simulation {
     /// The tapes that are run, those that do the same once.
     pub fn tapes(&self) -> Vec<&Tape> {
-        let mut found: Vec<&Tape> = Vec::new();
-        for tape in self.diagram.plan.fused.tapes() {
-            if !tape.is_empty() && !found.iter().any(|other| other.does_as(tape)) {
-                found.push(tape);
-            }
-        }
-        found
+        let mut known = Kinds::default();
+        self.diagram.plan.fused.tapes().filter(|tape| !tape.is_empty() && known.add(tape)).collect()
     }
 
     /// Has machines run in the place of [`tapes`](Self::tapes), in their order; or none of them, if one leaves another bit than its
@@ -27,45 +23,109 @@ impl Simulation {
     /// # Errors
     /// The number of the tape whose machine computes something else.
     pub fn run_by(&mut self, machines: &[Arc<dyn Machine>]) -> Result<(), usize> {
+        let mut trial = Trial::new(&self.diagram.signals, &self.diagram.d);
         let tapes: Vec<Tape> = self.tapes().into_iter().cloned().collect();
-        let (cells, held) = (&self.diagram.signals, &self.diagram.d);
-        let pairs = tapes.iter().zip(machines);
-        if let Some(other) = pairs.clone().position(|(tape, machine)| !agree(tape, &**machine, cells, held)) {
-            return Err(other);
+        let mut known = Kinds::default();
+        for (number, (tape, machine)) in tapes.iter().zip(machines).enumerate() {
+            if !trial.agree(tape, &**machine) {
+                return Err(number);
+            }
+            known.add(tape);
         }
         for tape in self.diagram.plan.fused.tapes_mut() {
-            if let Some((_, machine)) = pairs.clone().find(|(known, _)| known.does_as(tape)) {
-                tape.run_by(Arc::clone(machine));
+            if let Some(number) = known.number(tape) {
+                tape.run_by(Arc::clone(&machines[number]));
             }
         }
         Ok(())
     }
 }
 
-/// Whether a tape and a machine leave the same bits in all results, from these numbers and from others. Numbers that are none have many
-/// bits, which nobody tells apart.
-fn agree(tape: &Tape, machine: &dyn Machine, cells: &[f64], held: &[f64]) -> bool {
-    let is_same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
-    let results = |cells: &[f64]| {
-        let all = cells.iter().copied().enumerate();
-        all.filter(|(cell, _)| tape.is_result(*cell as u32)).map(|(_, value)| value).collect::<Vec<_>>()
-    };
-    (0..=TRIALS).all(|trial| {
-        let mut random = Random(trial);
-        let mut varied = |numbers: &[f64]| -> Vec<f64> {
-            numbers.iter().map(|&number| if trial == 0 { number } else { random.near(number) }).collect()
-        };
-        let (mut cells, mut held) = (varied(cells), varied(held));
-        let (mut other_cells, mut other_held) = (cells.clone(), held.clone());
-        let met = tape.interpret(&mut cells, &mut held);
-        let Ran { failed, changed } = machine.run(&mut other_cells, &mut other_held);
+/// Number of words and the cells of the first one.
+type Begin = (usize, [u32; 4]);
+
+/// Tapes that do different things, by how they begin: one by one, thousands would take longer to compare than to compile.
+#[derive(Default)]
+struct Kinds<'t> {
+    found: HashMap<Begin, Vec<(usize, &'t Tape)>>,
+    count: usize,
+}
+
+impl<'t> Kinds<'t> {
+    fn begin(tape: &Tape) -> Begin {
+        (tape.len(), tape.words().first().map_or([0; 4], |word| [word.to, word.a, word.b, word.c]))
+    }
+
+    /// The number of what a tape does, if it is known.
+    fn number(&self, tape: &Tape) -> Option<usize> {
+        let alike = self.found.get(&Self::begin(tape))?;
+        alike.iter().find(|(_, other)| other.does_as(tape)).map(|(number, _)| *number)
+    }
+
+    /// Gives what a tape does the next number. Returns whether it was not known.
+    fn add(&mut self, tape: &'t Tape) -> bool {
+        let is_new = self.number(tape).is_none();
+        if is_new {
+            self.found.entry(Self::begin(tape)).or_default().push((self.count, tape));
+            self.count += 1;
+        }
+        is_new
+    }
+}
+
+/// What a tape and its machine are run on: a copy of the same numbers for each. Only what a tape names is varied and put back, as most
+/// tapes of a large model name little of it.
+struct Trial<'n> {
+    /// The numbers of this instant: cells, and what is held.
+    begin: [&'n [f64]; 2],
+    by_tape: [Vec<f64>; 2],
+    by_machine: [Vec<f64>; 2],
+}
+
+impl<'n> Trial<'n> {
+    fn new(cells: &'n [f64], held: &'n [f64]) -> Self {
+        let copy = || [cells.to_vec(), held.to_vec()];
+        Self { begin: [cells, held], by_tape: copy(), by_machine: copy() }
+    }
+
+    /// Whether a tape and a machine leave the same bits in all results, from these numbers and from others. Numbers that are none have
+    /// many bits, which nobody tells apart.
+    fn agree(&mut self, tape: &Tape, machine: &dyn Machine) -> bool {
+        let named = tape.names();
+        let agreed = (0..=TRIALS).all(|trial| {
+            let mut random = Random(trial);
+            self.put(&named, |number| if trial == 0 { number } else { random.near(number) });
+            self.leave_the_same(tape, machine)
+        });
+        self.put(&named, |number| number);
+        agreed
+    }
+
+    /// Puts numbers that follow from those of this instant where a tape names them.
+    fn put(&mut self, named: &[Vec<u32>; 2], mut follow: impl FnMut(f64) -> f64) {
+        for (array, names) in named.iter().enumerate() {
+            for at in names.iter().map(|at| *at as usize) {
+                let number = follow(self.begin[array][at]);
+                self.by_tape[array][at] = number;
+                self.by_machine[array][at] = number;
+            }
+        }
+    }
+
+    /// Whether a run leaves the same everywhere but in what is no result, also where a machine should write nothing.
+    fn leave_the_same(&mut self, tape: &Tape, machine: &dyn Machine) -> bool {
+        let ([cells, held], [other_cells, other_held]) = (&mut self.by_tape, &mut self.by_machine);
+        let met = tape.interpret(cells, held);
+        let Ran { failed, changed } = machine.run(other_cells, other_held);
         let about = [met.failed.map(|(_, about)| about), failed.map(|(_, about)| about)];
+        let is_same = |a: f64, b: f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+        let mut cells = cells.iter().zip(other_cells).enumerate();
         met.changed == changed
             && about[0].is_some() == about[1].is_some()
-            && is_same((&about[0].unwrap_or(0.0), &about[1].unwrap_or(0.0)))
-            && results(&cells).iter().zip(&results(&other_cells)).all(is_same)
-            && held.iter().zip(&other_held).all(is_same)
-    })
+            && is_same(about[0].unwrap_or(0.0), about[1].unwrap_or(0.0))
+            && cells.all(|(cell, (a, b))| is_same(*a, *b) || !tape.is_result(cell as u32))
+            && held.iter().zip(other_held).all(|(a, b)| is_same(*a, *b))
+    }
 }
 
 /// Numbers that are the same in every run.
