@@ -290,6 +290,60 @@ fn machine_code_gives_the_bits_of_the_interpreter() {
     }
 }
 
+/// A run by machine code and one by the interpreter; returns how many words the tapes have that are compiled.
+fn compiled_lengths(text: &str) -> Vec<usize> {
+    let (compiled, problems) = compile_text(text);
+    let schedule = Arc::new(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    let mut native = Simulation::new(Arc::clone(&schedule)).expect("a start");
+    let lengths = native.tapes().iter().map(|tape| tape.len()).collect();
+    let made = machines(&native.tapes(), None).expect("a compiler");
+    assert_eq!(native.run_by(&made.machines), Ok(()));
+    assert!(run(Ok(native), LONGEST) == run(Simulation::new(schedule), LONGEST));
+    lengths
+}
+
+/// Between two blocks that are called there is one that records its law, so many times.
+fn interrupted(times: usize) -> String {
+    let points = (0..40).map(|i| format!("{}.0", i - 20)).collect::<Vec<_>>().join(", ");
+    let blocks: String = (0..times)
+        .map(|i| {
+            format!(
+                r#""g{i}": Gain(k: 1.{i:03}), "t{i}": LookupTable1D(breakpoints: [{points}], table: [{points}]), "#
+            )
+        })
+        .collect();
+    let wires: String =
+        (1..times).map(|i| format!(r#""g{i}.y -> t{i}.u", "t{}.y -> g{i}.u", "#, i - 1)).collect();
+    let terms: String = (0..times).map(|i| format!(r#""t{i}.y -> sum.u{}", "#, i + 1)).collect();
+    let signs = "+".repeat(times);
+    format!(
+        r#"Diagram(simulation: (stop_time: "0.1 s"), blocks: {{ "x": Integrator(x0: 1), {blocks} "sum": Sum(signs: "{signs}"),
+            "s": Scope(inputs: ["y"]) }},
+          connections: ["x.y -> g0.u", "g0.y -> t0.u", {wires} {terms} "t0.y -> x.u", "sum.y -> s.y"])"#
+    )
+}
+
+#[test]
+fn short_tapes_are_left_to_the_interpreter_where_there_are_many() {
+    let few = compiled_lengths(&interrupted(12));
+    assert!(few.iter().filter(|length| **length == 1).count() >= 10, "{few:?}");
+    let many = compiled_lengths(&interrupted(80));
+    assert!(!many.is_empty() && many.iter().all(|length| *length >= 8), "{many:?}");
+}
+
+#[test]
+fn exact_slopes_are_compiled_for_the_methods_that_take_them() {
+    let lengths = |method: &str| {
+        compiled_lengths(&format!(
+            r#"Diagram(simulation: (stop_time: "0.1 s", solver: {method}), blocks: {{ "x": Integrator(x0: 1), "v": Integrator,
+                "f": Function(function: Sin), "k": Gain(k: -9), "s": Scope(inputs: ["x"]) }},
+              connections: ["v.y -> x.u", "x.y -> f.u, s.x", "f.y -> k.u", "k.y -> v.u"])"#
+        ))
+    };
+    let [stiff, explicit] = ["Ode15s(rtol: 1e-6)", "Ode45(rtol: 1e-6)"].map(lengths);
+    assert_eq!(stiff.len(), explicit.len() + 1, "{stiff:?} {explicit:?}");
+}
+
 /// A machine that is as good as its tape but for the last bit of one number.
 #[derive(Debug)]
 struct Inexact(Arc<dyn Machine>);

@@ -199,6 +199,16 @@ impl Fused {
         parts.filter_map(Part::tape).chain(gathered).chain(steps).chain(slopes).chain(loops)
     }
 
+    /// The tapes that are run often: [all](Self::tapes) but those in whose place another one is run wherever it can be, and exact slopes
+    /// unless the method asks for them.
+    pub fn busy_tapes(&self, takes_slopes: bool) -> impl Iterator<Item = &Tape> {
+        let idle = [
+            self.direct.is_some().then_some(&self.derivatives.tape),
+            self.slopes.as_ref().filter(|_| !takes_slopes).map(|slopes| &slopes.rates.tape),
+        ];
+        self.tapes().filter(move |tape| !idle.iter().flatten().any(|idle| std::ptr::eq(*idle, *tape)))
+    }
+
     /// All tapes, for what is to run in their place.
     pub fn tapes_mut(&mut self) -> impl Iterator<Item = &mut Tape> {
         let Self {

@@ -52,6 +52,20 @@ pub(crate) fn weights(solver: Solver) -> Option<Weights> {
     Some(fixed(method, 0, step).weights())
 }
 
+/// Whether a method asks how derivatives change along directions of the states.
+pub(crate) fn takes_slopes(solver: Solver) -> bool {
+    use VariableMethod as Method;
+    match solver {
+        Solver::Fixed { .. } => false,
+        Solver::Variable { method, .. } => match method {
+            // Uses only what blocks say of their stiffness, or nothing.
+            Method::RosW3 | Method::Ode23 | Method::Ode45 | Method::Dop853 => false,
+            Method::Auto | Method::Ode23t | Method::Ode23tb => true,
+            Method::Ode15s | Method::Radau5 | Method::Rodas4 => true,
+        },
+    }
+}
+
 fn variable(method: VariableMethod, tolerances: Tolerances, limits: StepLimits) -> Box<dyn Stepper> {
     match method {
         VariableMethod::Auto => Box::new(Auto::new(tolerances, limits)),
