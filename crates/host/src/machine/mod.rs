@@ -17,6 +17,7 @@ use libloading::Library;
 
 use crate::build::Compilers;
 use crate::fault::shown;
+use crate::machine::source::Source;
 
 /// Arguments of the compiler: nothing that rounds otherwise than the interpreter, which calls the functions of the library, and
 /// nothing that takes longer than it saves with thousands of statements that write one array.
@@ -35,7 +36,7 @@ const FLAGS: [&str; 10] = [
 
 /// What one function leaves, as the source declares it.
 #[repr(C)]
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Left {
     about: f64,
     failed: std::ffi::c_long,
@@ -77,7 +78,7 @@ struct Compiled {
 impl Machine for Compiled {
     fn run(&self, cells: &mut [f64], held: &mut [f64]) -> Ran {
         assert!(cells.len() >= self.cells && held.len() >= self.held, "a tape needs more cells");
-        let mut left = Left::default();
+        let mut left = Left { about: 0.0, failed: -1, changed: 0 };
         // SAFETY: the function was made of a tape with these extents, so it reads and writes no more than `self.cells` numbers from
         // the first pointer, `self.held` from the second and the struct behind the third; the assertion has compared the lengths.
         unsafe { (self.function)(cells.as_mut_ptr(), held.as_mut_ptr(), &raw mut left) };
@@ -92,7 +93,7 @@ impl Machine for Compiled {
 /// # Errors
 /// There is no compiler, it refuses the source, or what it makes cannot be loaded.
 pub fn machines(tapes: &[&Tape], cache: Option<&Path>) -> Result<Machines, NoMachines> {
-    let source = &source::source(tapes);
+    let source = &Source::new(tapes).whole();
     let extents: &[(usize, usize)] = &tapes.iter().map(|tape| tape.extent()).collect::<Vec<_>>();
     let compilers = Compilers::of_environment();
     let compiler = compilers.of(false);

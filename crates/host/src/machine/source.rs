@@ -1,21 +1,27 @@
-//! The tapes of a simulation as one source in C, for this computer: the same bits, without an interpreter.
+//! The tapes of a simulation as sources in C, for this computer: the same bits, without an interpreter.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
 use blocksim_block::law::{Binary, Relation, Tape, Unary, Word, WordCode};
 
-/// What the functions of [`source`] are called before their number.
+/// What the functions of the tapes are called before their number.
 pub(super) const FUNCTION: &str = "blocksim_tape_";
 
 /// Instructions of one function: the time for compiling grows linearly with their number, and faster with the length of functions.
 const CHUNK: usize = 300;
 
-/// What all functions need.
+/// What all functions need. The functions of parts are called within the library alone.
 const HEAD: &str = "\
 #include <math.h>
 
 struct ran { double about; long failed; int changed; };
+
+#if defined(__GNUC__)
+#define PART __attribute__((visibility(\"hidden\")))
+#else
+#define PART
+#endif
 
 static inline double power(double base, int n) {
     unsigned left = n < 0 ? 0u - (unsigned)n : (unsigned)n;
@@ -29,47 +35,108 @@ static inline double power(double base, int n) {
 }
 ";
 
-/// A source in C99 with a function for each tape, `void NAME(double *cells, double *held, struct ran *ran)`, named
-/// [`FUNCTION`] and the number of the tape. It is to be compiled without contraction of products and sums, and without
-/// knowledge of the functions of the mathematical library, which the interpreter calls as well.
-pub(super) fn source(tapes: &[&Tape]) -> String {
-    let mut text = HEAD.to_owned();
-    for (number, tape) in tapes.iter().enumerate() {
-        let words = tape.words().iter().enumerate();
-        let reads = words.flat_map(|(at, word)| [word.a, word.b, word.c].map(|cell| (cell, at)));
-        let last_reads: HashMap<u32, usize> = reads.collect();
-        for (part, words) in tape.words().chunks(CHUNK).enumerate() {
-            // What only this function reads need not be written.
-            let is_read_behind =
-                |cell: &u32| last_reads.get(cell).is_some_and(|at| *at >= (part + 1) * CHUNK);
-            let is_written = |cell: u32| tape.is_result(cell) || is_read_behind(&cell);
-            let _ = writeln!(
-                text,
-                "\nstatic void tape_{number}_{part}(double *restrict c, double *restrict h, struct ran *restrict ran) {{"
-            );
-            text.push_str(&statements(words, part * CHUNK, is_written));
-            text.push_str("}\n");
+/// Tapes as functions in C99: for each tape one `void NAME(double *cells, double *held, struct ran *ran)`, named [`FUNCTION`] and the
+/// number of the tape. They are to be compiled without contraction of products and sums, and without knowledge of the functions of
+/// the mathematical library, which the interpreter calls as well.
+pub(super) struct Source {
+    functions: Vec<Text>,
+}
+
+/// A function.
+struct Text {
+    body: String,
+    /// What it calls: the number of a tape, and of how many parts.
+    calls: Option<(usize, usize)>,
+}
+
+impl Source {
+    /// The functions of these tapes: of a long one its parts and one that calls them.
+    pub fn new(tapes: &[&Tape]) -> Self {
+        let mut functions = Vec::new();
+        for (number, tape) in tapes.iter().enumerate() {
+            let stores = stores(tape);
+            let parts = tape.len().div_ceil(CHUNK);
+            for (part, words) in tape.words().chunks(CHUNK).enumerate() {
+                let name = if parts == 1 { format!("{FUNCTION}{number}") } else { part_name(number, part) };
+                let first = part * CHUNK;
+                let mut body = heading(if parts == 1 { "" } else { "PART " }, &name);
+                body.push_str(&statements(words, first, &stores[first..]));
+                body.push_str("}\n");
+                functions.push(Text { body, calls: None });
+            }
+            if parts != 1 {
+                let mut body = heading("", &format!("{FUNCTION}{number}"));
+                for part in 0..parts {
+                    let _ = writeln!(body, "    {}(c, h, ran);", part_name(number, part));
+                }
+                body.push_str("}\n");
+                functions.push(Text { body, calls: Some((number, parts)) });
+            }
         }
-        let _ = writeln!(
-            text,
-            "\nvoid {FUNCTION}{number}(double *c, double *h, struct ran *ran) {{\n    ran->failed = -1;\n    \
-             ran->changed = 0;\n    ran->about = 0.0;"
-        );
-        for part in 0..tape.len().div_ceil(CHUNK) {
-            let _ = writeln!(text, "    tape_{number}_{part}(c, h, ran);");
-        }
-        text.push_str("}\n");
+        Self { functions }
     }
+
+    /// All of it as one file, which says what the machine code is made of.
+    pub fn whole(&self) -> String {
+        file(&self.functions)
+    }
+}
+
+fn part_name(number: usize, part: usize) -> String {
+    format!("blocksim_part_{number}_{part}")
+}
+
+fn heading(visibility: &str, name: &str) -> String {
+    format!(
+        "\n{visibility}void {name}(double *restrict c, double *restrict h, struct ran *restrict ran) {{\n"
+    )
+}
+
+/// A file of functions, with those of other files declared.
+fn file(functions: &[Text]) -> String {
+    let mut text = HEAD.to_owned();
+    for (number, parts) in functions.iter().filter_map(|function| function.calls) {
+        for part in 0..parts {
+            let _ =
+                writeln!(text, "PART void {}(double *, double *, struct ran *);", part_name(number, part));
+        }
+    }
+    functions.iter().for_each(|function| text.push_str(&function.body));
     text
 }
 
-fn statements(words: &[Word], first: usize, is_written: impl Fn(u32) -> bool) -> String {
-    // What a cell that has been written in here holds, by name.
-    let mut names: BTreeMap<u32, String> = BTreeMap::new();
-    let mut text = String::from("    (void)c;\n    (void)h;\n    (void)ran;\n");
+/// Which words write their cell to memory: the last one of its part to write what is a result, or what a later part reads.
+fn stores(tape: &Tape) -> Vec<bool> {
+    let mut stores = vec![false; tape.len()];
+    // Cells that somebody reads behind a word before they are written again.
+    let mut read_behind: HashSet<u32> = HashSet::new();
+    for (part, words) in tape.words().chunks(CHUNK).enumerate().rev() {
+        let read_by_others = read_behind.clone();
+        let mut written = HashSet::new();
+        for (at, word) in words.iter().enumerate().rev() {
+            if let Some(cell) = word.writes() {
+                let is_last = written.insert(cell);
+                stores[part * CHUNK + at] =
+                    is_last && (tape.is_result(cell) || read_by_others.contains(&cell));
+                read_behind.remove(&cell);
+            }
+            read_behind.extend(word.reads());
+        }
+    }
+    stores
+}
+
+/// The words of a part, of which the first one has this number in its tape.
+fn statements(words: &[Word], first: usize, stores: &[bool]) -> String {
+    // Which word has written a cell last in here.
+    let mut writers: HashMap<u32, usize> = HashMap::new();
+    let mut text = String::new();
     for (at, word) in words.iter().enumerate() {
         let Word { code, to, a, b, .. } = *word;
-        let r = |cell: u32| names.get(&cell).cloned().unwrap_or_else(|| format!("c[{cell}]"));
+        let r = |cell: u32| match writers.get(&cell) {
+            Some(word) => format!("v{word}"),
+            None => format!("c[{cell}]"),
+        };
         match code {
             WordCode::Hold => {
                 let value = r(a);
@@ -84,11 +151,9 @@ fn statements(words: &[Word], first: usize, is_written: impl Fn(u32) -> bool) ->
             }
             _ => {
                 let value = expression(word, r);
-                let _ = writeln!(text, "    const double v{at} = {value};");
-                if is_written(to) {
-                    let _ = writeln!(text, "    c[{to}] = v{at};");
-                }
-                names.insert(to, format!("v{at}"));
+                let store = if stores[at] { format!("c[{to}] = ") } else { String::new() };
+                let _ = writeln!(text, "    const double v{at} = {store}{value};");
+                writers.insert(to, at);
             }
         }
     }
