@@ -8,7 +8,8 @@ mod recording;
 
 pub use block_law::{BlockLaw, Form, ValueGroup};
 pub use blocksim_law::{
-    Binary, Domain, Failure, Id, Instruction, Machine, Op, Program, Ran, Root, Tape, Unary, Word, WordCode,
+    Binary, Domain, Failure, Id, Instruction, Leaf, Machine, Op, Program, Ran, Root, Tape, Unary, Word,
+    WordCode,
 };
 pub use forms::Forms;
 pub use joined::{Draft, Joined, Placed};

@@ -7,8 +7,9 @@ mod source;
 use std::ffi::c_int;
 use std::fs;
 use std::io;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -21,7 +22,7 @@ use crate::machine::source::Source;
 
 /// Arguments of the compiler: nothing that rounds otherwise than the interpreter, which calls the functions of the library, and
 /// nothing that takes longer than it saves with thousands of statements that write one array.
-const FLAGS: [&str; 10] = [
+const FLAGS: [&str; 9] = [
     "-std=c99",
     "-O1",
     "-w",
@@ -31,8 +32,10 @@ const FLAGS: [&str; 10] = [
     "-fno-inline-functions-called-once",
     "-fno-tree-dse",
     "-fno-dse",
-    "-shared",
 ];
+
+/// Instructions that another process of the compiler is started for: less than these take not much longer than its start.
+const SHARE: usize = 2_000;
 
 /// What one function leaves, as the source declares it.
 #[repr(C)]
@@ -93,16 +96,17 @@ impl Machine for Compiled {
 /// # Errors
 /// There is no compiler, it refuses the source, or what it makes cannot be loaded.
 pub fn machines(tapes: &[&Tape], cache: Option<&Path>) -> Result<Machines, NoMachines> {
-    let source = &Source::new(tapes).whole();
+    let source = Source::new(tapes);
+    let text = source.whole();
     let extents: &[(usize, usize)] = &tapes.iter().map(|tape| tape.extent()).collect::<Vec<_>>();
     let compilers = Compilers::of_environment();
     let compiler = compilers.of(false);
     let version = version(compiler)?;
     let line =
         format!("{} {} {version} {compiler:?} {FLAGS:?}", env!("CARGO_PKG_VERSION"), std::env::consts::ARCH);
-    let key = format!("{:016x}", checksum(source.bytes().chain(line.bytes())));
+    let key = format!("{:016x}", checksum(text.bytes().chain(line.bytes())));
     let kept = cache.map(|folder| Kept { folder: folder.to_owned(), key });
-    if let Some(library) = kept.as_ref().and_then(|kept| kept.library(source, &line))
+    if let Some(library) = kept.as_ref().and_then(|kept| kept.library(&text, &line))
         && let Ok(machines) = loaded(&library, extents)
     {
         return Ok(Machines { machines, was_kept: true, not_kept: None });
@@ -111,10 +115,12 @@ pub fn machines(tapes: &[&Tape], cache: Option<&Path>) -> Result<Machines, NoMac
         message: format!("there is no place to compile the model: {error}"),
         help: "make room in the folder for temporary files, or name another one in TMPDIR".to_owned(),
     })?;
-    let library = compile(compiler, source, &place.0)?;
+    let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
+    let invocation = Invocation { compiler, flags: &FLAGS };
+    let library = compile(invocation, &source.files(processors.min(source.cost() / SHARE).max(1)), &place.0)?;
     let machines = loaded(&library, extents)?;
     let not_kept = kept.and_then(|kept| {
-        let error = kept.keep(&library, source, &line).err()?;
+        let error = kept.keep(&library, &text, &line).err()?;
         Some(format!("`{}`: {error}", shown(&kept.folder)))
     });
     Ok(Machines { machines, was_kept: false, not_kept })
@@ -133,37 +139,74 @@ fn version(compiler: &[String]) -> Result<String, NoMachines> {
     Ok(String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or_default().to_owned())
 }
 
-fn compile(compiler: &[String], source: &str, place: &Path) -> Result<PathBuf, NoMachines> {
-    let (text, library) =
-        (place.join("model.c"), place.join(format!("model{}", std::env::consts::DLL_SUFFIX)));
-    fs::write(&text, source).map_err(|error| NoMachines {
-        message: format!("`{}` cannot be written: {error}", shown(&text)),
-        help: "make room in the folder for temporary files, or name another one in TMPDIR".to_owned(),
-    })?;
-    let mut command = Command::new(&compiler[0]);
-    command.args(&compiler[1..]).args(FLAGS).stdin(Stdio::null());
-    if cfg!(unix) {
-        command.arg("-fPIC");
+/// A compiler and its arguments.
+#[derive(Clone, Copy)]
+struct Invocation<'a> {
+    compiler: &'a [String],
+    flags: &'a [&'static str],
+}
+
+/// Compiles files to one library: a single one at once, several of them at the same time.
+fn compile(invocation: Invocation, files: &[String], place: &Path) -> Result<PathBuf, NoMachines> {
+    let library = place.join(format!("model{}", std::env::consts::DLL_SUFFIX));
+    let mut texts = Vec::new();
+    for (number, file) in files.iter().enumerate() {
+        let text = place.join(format!("model{number}.c"));
+        fs::write(&text, file).map_err(|error| NoMachines {
+            message: format!("`{}` cannot be written: {error}", shown(&text)),
+            help: "make room in the folder for temporary files, or name another one in TMPDIR".to_owned(),
+        })?;
+        texts.push(text);
     }
-    command.arg(&text).arg("-o").arg(&library);
-    if cfg!(unix) {
-        command.arg("-lm");
+    let Invocation { compiler, flags } = invocation;
+    let command = |arguments: &[&str], inputs: &[PathBuf], output: &Path| {
+        let mut command = Command::new(&compiler[0]);
+        command.args(&compiler[1..]).args(flags).args(arguments);
+        if cfg!(unix) {
+            command.arg("-fPIC");
+        }
+        command.args(inputs).arg("-o").arg(output);
+        command
+    };
+    let linked = |inputs: &[PathBuf]| {
+        let mut command = command(&["-shared"], inputs, &library);
+        if cfg!(unix) {
+            command.arg("-lm");
+        }
+        command
+    };
+    if files.len() == 1 {
+        return run(compiler, [linked(&texts)]).map(|()| library);
     }
-    let output = command.output();
+    let objects: Vec<PathBuf> = texts.iter().map(|text| text.with_extension("o")).collect();
+    let each = texts.iter().zip(&objects);
+    run(compiler, each.map(|(text, object)| command(&["-c"], std::slice::from_ref(text), object)))?;
+    run(compiler, [linked(&objects)]).map(|()| library)
+}
+
+/// Runs a compiler several times at once, and waits for all of it.
+fn run(compiler: &[String], commands: impl IntoIterator<Item = Command>) -> Result<(), NoMachines> {
     let refused = |said: String| NoMachines {
         message: format!("`{}` does not compile the model to machine code: {said}", compiler.join(" ")),
         help: "name another compiler in the variable CC, such as `CC=gcc`; without --native none is needed"
             .to_owned(),
     };
-    match output {
-        Err(error) => Err(refused(error.to_string())),
-        Ok(output) if !output.status.success() => {
+    let started: Vec<io::Result<Child>> = commands
+        .into_iter()
+        .map(|mut command| command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn())
+        .collect();
+    // Each is waited for, also behind one that fails: none is to write into a folder that is removed.
+    let ended: Vec<io::Result<Output>> =
+        started.into_iter().map(|child| child.and_then(Child::wait_with_output)).collect();
+    for output in ended {
+        let output = output.map_err(|error| refused(error.to_string()))?;
+        if !output.status.success() {
             let said = String::from_utf8_lossy(&output.stderr);
             let first = said.lines().find(|line| line.contains("error")).or_else(|| said.lines().next());
-            Err(refused(first.map_or_else(|| output.status.to_string(), str::to_owned)))
+            return Err(refused(first.map_or_else(|| output.status.to_string(), str::to_owned)));
         }
-        Ok(_) => Ok(library),
     }
+    Ok(())
 }
 
 fn loaded(library: &Path, extents: &[(usize, usize)]) -> Result<Vec<Arc<dyn Machine>>, NoMachines> {
@@ -254,5 +297,93 @@ impl Temporary {
 impl Drop for Temporary {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use blocksim_block::law::{Id, Leaf, Op, Root};
+
+    use super::*;
+
+    /// A tape of products and differences in a row, each of which is a result.
+    fn row(length: u32, first: u32) -> Tape {
+        let mut ops = vec![Op::Input(0), Op::Input(1)];
+        let mut roots = Vec::new();
+        for i in 0..length {
+            let last = Id(i + 1);
+            ops.push(if i % 3 == 0 { Op::Mul(last, Id(0)) } else { Op::Sub(last, Id(i / 2)) });
+            roots.push(Root::Cell(Id(i + 2), first + i));
+        }
+        let leaf = |op: Op| match op {
+            Op::Input(cell) => Leaf::Cell(cell),
+            other => unreachable!("{other:?} is not in here"),
+        };
+        Tape::make(&ops, &roots, &leaf, 4_000).tape
+    }
+
+    fn with_compiler<T>(work: impl FnOnce(Invocation, &Path) -> T) -> T {
+        let compilers = Compilers::of_environment();
+        let compiler = compilers.of(false);
+        let place = Temporary::new().expect("a place");
+        work(Invocation { compiler, flags: &FLAGS }, &place.0)
+    }
+
+    #[test]
+    fn several_files_give_the_bits_of_one() {
+        // The first is longer than a function may be, and its parts need each other.
+        let tapes = [row(1_000, 10), row(3, 1_500), row(300, 2_000), row(301, 3_000)];
+        let tapes: Vec<&Tape> = tapes.iter().collect();
+        let source = Source::new(&tapes);
+        let extents: Vec<(usize, usize)> = tapes.iter().map(|tape| tape.extent()).collect();
+        for count in [1, 2, 3, 100] {
+            let files = source.files(count);
+            assert!(files.len() <= count && files.len() >= count.min(3), "{} files", files.len());
+            let machines = with_compiler(|invocation, place| {
+                loaded(&compile(invocation, &files, place).expect("a library"), &extents).expect("machines")
+            });
+            for (tape, machine) in tapes.iter().zip(machines) {
+                let begin: Vec<f64> = (0..5_000).map(|i| 0.3 + f64::from(i % 7)).collect();
+                let (mut cells, mut other) = (begin.clone(), begin);
+                tape.interpret(&mut cells, &mut []);
+                let ran = machine.run(&mut other, &mut []);
+                assert_eq!(ran, Ran::default());
+                let results = |cells: &[f64]| cells[..4_000].iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+                assert!(results(&cells) == results(&other), "{count} files");
+            }
+        }
+    }
+
+    #[test]
+    fn files_share_the_work_and_leave_nothing_out() {
+        let tapes: Vec<Tape> = (0..40).map(|i| row(1 + 37 * (i % 11), 10)).collect();
+        let source = Source::new(&tapes.iter().collect::<Vec<_>>());
+        let sizes: Vec<usize> = source.files(4).iter().map(String::len).collect();
+        assert_eq!(sizes.len(), 4);
+        let (least, most) = (sizes.iter().min().unwrap(), sizes.iter().max().unwrap());
+        assert!(*most < least * 3 / 2, "{sizes:?}");
+        let statements = |file: &String| file.matches("const double v").count();
+        let words: usize = tapes.iter().map(Tape::len).sum();
+        assert_eq!(source.files(4).iter().map(statements).sum::<usize>(), words);
+        assert_eq!(statements(&source.whole()), words);
+        assert_eq!(Source::new(&[]).files(4).len(), 1);
+    }
+
+    #[test]
+    fn a_file_that_the_compiler_refuses_is_reported_whichever_it_is() {
+        let tape = row(5, 10);
+        let good = Source::new(&[&tape]).whole();
+        for at in 0..3 {
+            let mut files = vec![good.replace(source::FUNCTION, "other_"); 3];
+            files[at] = "#error this one is wrong\n".to_owned();
+            let refused = with_compiler(|invocation, place| compile(invocation, &files, place));
+            let NoMachines { message, help } = refused.expect_err("no library");
+            assert!(message.contains("does not compile the model to machine code: "), "{message}");
+            assert!(message.contains(&format!("model{at}.c")), "{message}");
+            assert!(message.contains("this one is wrong") && help.contains("CC=gcc"), "{message}");
+        }
+        // Functions that two files have are found when these are linked.
+        let twice = with_compiler(|invocation, place| compile(invocation, &[good.clone(), good], place));
+        assert!(twice.expect_err("no library").message.contains("does not compile"));
     }
 }

@@ -11,6 +11,9 @@ pub(super) const FUNCTION: &str = "blocksim_tape_";
 /// Instructions of one function: the time for compiling grows linearly with their number, and faster with the length of functions.
 const CHUNK: usize = 300;
 
+/// Instructions that take a compiler as long as what each function takes beside its own.
+const HEADING: usize = 8;
+
 /// What all functions need. The functions of parts are called within the library alone.
 const HEAD: &str = "\
 #include <math.h>
@@ -45,6 +48,8 @@ pub(super) struct Source {
 /// A function.
 struct Text {
     body: String,
+    /// How long it takes to compile, in instructions.
+    cost: usize,
     /// What it calls: the number of a tape, and of how many parts.
     calls: Option<(usize, usize)>,
 }
@@ -62,7 +67,7 @@ impl Source {
                 let mut body = heading(if parts == 1 { "" } else { "PART " }, &name);
                 body.push_str(&statements(words, first, &stores[first..]));
                 body.push_str("}\n");
-                functions.push(Text { body, calls: None });
+                functions.push(Text { body, cost: HEADING + words.len(), calls: None });
             }
             if parts != 1 {
                 let mut body = heading("", &format!("{FUNCTION}{number}"));
@@ -70,7 +75,7 @@ impl Source {
                     let _ = writeln!(body, "    {}(c, h, ran);", part_name(number, part));
                 }
                 body.push_str("}\n");
-                functions.push(Text { body, calls: Some((number, parts)) });
+                functions.push(Text { body, cost: HEADING + parts, calls: Some((number, parts)) });
             }
         }
         Self { functions }
@@ -79,6 +84,33 @@ impl Source {
     /// All of it as one file, which says what the machine code is made of.
     pub fn whole(&self) -> String {
         file(&self.functions)
+    }
+
+    /// How long it takes to compile, in instructions.
+    pub fn cost(&self) -> usize {
+        self.functions.iter().map(|function| function.cost).sum()
+    }
+
+    /// The same as so many files that take about as long each, or as fewer; no function needs to be in the file of another one.
+    pub fn files(&self, count: usize) -> Vec<String> {
+        let mut files = Vec::new();
+        let (mut left, mut rest) = (self.cost(), &self.functions[..]);
+        while !rest.is_empty() || files.is_empty() {
+            let share = left / count.saturating_sub(files.len()).max(1);
+            let (mut cost, mut end) = (0, 0);
+            // Up to where the share is nearest.
+            while end < rest.len() && (end == 0 || cost + rest[end].cost / 2 <= share) {
+                cost += rest[end].cost;
+                end += 1;
+            }
+            // Nothing is left over behind the last one.
+            if files.len() + 1 >= count {
+                (cost, end) = (left, rest.len());
+            }
+            files.push(file(&rest[..end]));
+            (left, rest) = (left - cost, &rest[end..]);
+        }
+        files
     }
 }
 
