@@ -20,18 +20,17 @@ use crate::build::Compilers;
 use crate::fault::shown;
 use crate::machine::source::Source;
 
-/// Arguments of the compiler: nothing that rounds otherwise than the interpreter, which calls the functions of the library, and
-/// nothing that takes longer than it saves with thousands of statements that write one array.
-const FLAGS: [&str; 9] = [
-    "-std=c99",
-    "-O1",
-    "-w",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-    "-fno-builtin",
+/// Arguments of every compiler: nothing that rounds otherwise than the interpreter, which calls the functions of the library.
+const FLAGS: [&str; 6] = ["-std=c99", "-O1", "-w", "-ffp-contract=off", "-fno-math-errno", "-fno-builtin"];
+
+/// Those of gcc, which others refuse: nothing that takes longer than it saves with thousands of statements over one array, in which
+/// nothing is computed twice.
+const FLAGS_OF_GCC: [&str; 5] = [
     "-fno-inline-functions-called-once",
     "-fno-tree-dse",
     "-fno-dse",
+    "-fno-tree-fre",
+    "-fno-tree-dominator-opts",
 ];
 
 /// Instructions that another process of the compiler is started for: less than these take not much longer than its start.
@@ -102,8 +101,9 @@ pub fn machines(tapes: &[&Tape], cache: Option<&Path>) -> Result<Machines, NoMac
     let compilers = Compilers::of_environment();
     let compiler = compilers.of(false);
     let version = version(compiler)?;
+    let flags = flags(&version);
     let line =
-        format!("{} {} {version} {compiler:?} {FLAGS:?}", env!("CARGO_PKG_VERSION"), std::env::consts::ARCH);
+        format!("{} {} {version} {compiler:?} {flags:?}", env!("CARGO_PKG_VERSION"), std::env::consts::ARCH);
     let key = format!("{:016x}", checksum(text.bytes().chain(line.bytes())));
     let kept = cache.map(|folder| Kept { folder: folder.to_owned(), key });
     if let Some(library) = kept.as_ref().and_then(|kept| kept.library(&text, &line))
@@ -116,7 +116,7 @@ pub fn machines(tapes: &[&Tape], cache: Option<&Path>) -> Result<Machines, NoMac
         help: "make room in the folder for temporary files, or name another one in TMPDIR".to_owned(),
     })?;
     let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
-    let invocation = Invocation { compiler, flags: &FLAGS };
+    let invocation = Invocation { compiler, flags: &flags };
     let library = compile(invocation, &source.files(processors.min(source.cost() / SHARE).max(1)), &place.0)?;
     let machines = loaded(&library, extents)?;
     let not_kept = kept.and_then(|kept| {
@@ -124,6 +124,12 @@ pub fn machines(tapes: &[&Tape], cache: Option<&Path>) -> Result<Machines, NoMac
         Some(format!("`{}`: {error}", shown(&kept.folder)))
     });
     Ok(Machines { machines, was_kept: false, not_kept })
+}
+
+/// The arguments of the compiler that calls itself so.
+fn flags(version: &str) -> Vec<&'static str> {
+    let of_gcc = FLAGS_OF_GCC.iter().filter(|_| !version.contains("clang"));
+    FLAGS.iter().chain(of_gcc).copied().collect()
 }
 
 /// The first line of what a compiler answers to `--version`.
@@ -325,8 +331,9 @@ mod tests {
     fn with_compiler<T>(work: impl FnOnce(Invocation, &Path) -> T) -> T {
         let compilers = Compilers::of_environment();
         let compiler = compilers.of(false);
+        let flags = flags(&version(compiler).expect("a compiler"));
         let place = Temporary::new().expect("a place");
-        work(Invocation { compiler, flags: &FLAGS }, &place.0)
+        work(Invocation { compiler, flags: &flags }, &place.0)
     }
 
     #[test]
@@ -385,5 +392,11 @@ mod tests {
         // Functions that two files have are found when these are linked.
         let twice = with_compiler(|invocation, place| compile(invocation, &[good.clone(), good], place));
         assert!(twice.expect_err("no library").message.contains("does not compile"));
+    }
+
+    #[test]
+    fn flags_that_clang_refuses_are_those_of_gcc_alone() {
+        assert_eq!(flags("Apple clang version 16.0.0 (clang-1600.0.26.6)"), FLAGS);
+        assert_eq!(flags("cc (Debian 12.2.0-14) 12.2.0").len(), FLAGS.len() + FLAGS_OF_GCC.len());
     }
 }
