@@ -162,6 +162,11 @@ impl Conditional {
     fn runs(c: &Context) -> bool {
         Self::gate(c).runs(c.t)
     }
+
+    /// Whether it has been updated at this very time: what it makes of its states from there on belongs to the next trigger.
+    fn is_updated(&self, c: &Context, layout: &Layout) -> bool {
+        self.triggered && c.d[layout.updated] == c.t
+    }
 }
 
 impl Block for Conditional {
@@ -250,10 +255,12 @@ impl Block for Conditional {
     }
 
     fn outputs(&self, group: usize, c: &Context, w: &mut Scratch, y: &mut [f64]) {
-        if self.free.get(group).copied().unwrap_or(false) || Self::runs(c) {
+        let is_free = self.free.get(group).copied().unwrap_or(false);
+        let layout = self.layout(c, c.x.len(), c.d.len());
+        if is_free || Self::runs(c) && !self.is_updated(c, &layout) {
             self.inner.outputs(group, &self.looking(c), w, y);
         } else {
-            let held = &c.d[self.layout(c, c.x.len(), c.d.len()).held..];
+            let held = &c.d[layout.held..];
             for port in self.ports.get(group).into_iter().flatten() {
                 let cells = c.output(*port);
                 y[cells.clone()].copy_from_slice(&held[cells]);

@@ -260,6 +260,30 @@ fn a_triggered_subsystem_runs_at_edges_alone() {
 }
 
 #[test]
+fn what_a_triggered_block_gives_stands_still_from_the_very_time_of_the_trigger() {
+    // The trigger comes from a signal of time, so that the derivative is evaluated anew right behind it.
+    let inside = r#"Diagram(inputs: { "u": () }, outputs: { "y": "sum.y" },
+        blocks: { "sum": DiscreteIntegrator(ts: "1 s", x0: 1) }, connections: ["in.u -> sum.u"])"#;
+    for (solver, slack) in [("Ode45", 1e-12), ("Ode4(step: \"0.05 s\")", 1e-12), ("Ode15s", 1e-9)] {
+        let model = format!(
+            r#"Diagram(
+                simulation: (stop_time: "2 s", solver: {solver}),
+                blocks: {{
+                    "edges": SignalBuilder(points: [(0, 0), ("0.5 s", 1), ("0.75 s", 0), ("1.5 s", 1)], interpolation: Hold),
+                    "one": Constant(value: 1), "sub": Subsystem(file: "sub.ron", trigger: Rising),
+                    "x": Integrator, "show": Scope(inputs: ["x"]),
+                }},
+                connections: ["edges.y -> sub.trigger", "one.y -> sub.u", "sub.y -> x.u", "x.y -> show.x"],
+            )"#
+        );
+        let run = run(&[("model.ron", &model), ("sub.ron", inside)]);
+        // It is 1 up to the second trigger, at which it becomes 2.
+        let (x, expected) = (run.last("show.x"), 1.5 + 2.0 * 0.5);
+        assert!((x - expected).abs() < slack, "{solver}: {x} instead of {expected}");
+    }
+}
+
+#[test]
 fn states_are_reset_at_an_edge() {
     let run = in_sine("Ode45", "reset: Falling", INTEGRAL, "\"high.y -> sub.reset\"");
     let expected = |t: f64| {
