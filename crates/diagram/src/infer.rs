@@ -1,5 +1,6 @@
 //! Shapes, kinds and units of all signals.
 
+use std::any::Any;
 use std::sync::Arc;
 
 use blocksim_block::problem::{Place, Problem};
@@ -9,6 +10,7 @@ use foldhash::HashMap;
 use petgraph::algo::kosaraju_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
 
+use crate::condition::Conditional;
 use crate::flatten::{Declared, Flat, FlatBlock, Source};
 use crate::problems::{Problems, a};
 
@@ -17,6 +19,9 @@ use crate::problems::{Problems, a};
 pub struct Typed {
     /// In the order of the flat list.
     pub interfaces: Vec<Arc<Interface>>,
+    /// What the blocks of conditional subsystems were asked with, by their numbers: where units are open, the block says yes to them and
+    /// might say no to those that are settled in the end.
+    asked: HashMap<usize, Given>,
 }
 
 impl Typed {
@@ -32,6 +37,11 @@ impl Typed {
             inputs.filter_map(|(input, source)| Some((input.name.clone(), self.of(source.as_ref()?))));
         Given::sharing(known.collect(), block.units.clone())
     }
+
+    /// What a block of a conditional subsystem was asked with.
+    pub fn asked(&self, number: usize) -> Option<&Given> {
+        self.asked.get(&number)
+    }
 }
 
 /// Asks every block for its interface until nothing changes, then checks every connection.
@@ -40,7 +50,8 @@ impl Typed {
 /// once. In a loop a type travels at least one block further in each round, so as many rounds as there are blocks
 /// always suffice.
 pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
-    let mut typed = Typed { interfaces: flat.blocks.iter().map(|block| block.interface.clone()).collect() };
+    let interfaces = flat.blocks.iter().map(|block| block.interface.clone()).collect();
+    let mut typed = Typed { interfaces, ..Typed::default() };
     // Types that are known; what a block says before its inputs are known does not count.
     let mut known = vec![false; flat.blocks.len()];
     let mut errors: Vec<Option<InterfaceError>> = vec![None; flat.blocks.len()];
@@ -94,8 +105,14 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
     for declared in &flat.declared {
         declared_unit(flat, declared, typed.of(&declared.source), problems);
     }
+    let conditional = flat.blocks.iter().enumerate().filter(|(_, block)| is_conditional(block));
+    typed.asked = conditional.map(|(number, block)| (number, typed.given(block))).collect();
     settle_all(&mut typed.interfaces);
     typed
+}
+
+fn is_conditional(block: &FlatBlock) -> bool {
+    (&*block.block as &dyn Any).is::<Conditional>()
 }
 
 /// An interface, and the types of the inputs that it is for.

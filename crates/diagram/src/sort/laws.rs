@@ -52,9 +52,10 @@ impl Laws {
         let known = blocks.map(|(number, block)| {
             let (inputs, outputs) = spans(typed, number, block);
             let mut run = Arc::clone(&block.block);
-            let recorded = match (&*block.block as &dyn Any).downcast_ref::<Conditional>() {
-                Some(conditional) => {
-                    let law = conditional.with_law(&typed.given(block), &inputs, &outputs);
+            let conditional = (&*block.block as &dyn Any).downcast_ref::<Conditional>();
+            let recorded = match conditional.zip(typed.asked(number)) {
+                Some((conditional, given)) => {
+                    let law = conditional.with_law(given, &inputs, &outputs);
                     law.map(|law| {
                         if let Some((block, interface)) = law {
                             run = Arc::new(block);

@@ -284,6 +284,40 @@ fn what_a_triggered_block_gives_stands_still_from_the_very_time_of_the_trigger()
 }
 
 #[test]
+fn numbers_without_units_are_no_obstacle_to_a_block_inside() {
+    // A proportional and an integral part have units that differ, unless the gains are left open.
+    let inside = r#"Diagram(inputs: { "e": () }, outputs: { "u": "u.y", "most": "most.y" },
+        blocks: { "kp": Gain(k: 2), "ki": Gain(k: 3), "i": Integrator, "u": Sum(signs: "++"), "most": MinMax(function: Max) },
+        connections: ["in.e -> kp.u, ki.u", "ki.y -> i.u", "kp.y -> u.u1, most.u1", "i.y -> u.u2, most.u2"])"#;
+    for (parameters, input) in
+        [("enable: Held", "enable"), ("enable: Reset", "enable"), ("reset: Rising", "reset")]
+    {
+        let model = format!(
+            r#"Diagram(
+                simulation: (stop_time: "1 s"),
+                blocks: {{
+                    "e": Constant(value: 1), "on": Constant(value: true), "pi": Subsystem(file: "pi.ron", {parameters}),
+                    "show": Scope(inputs: ["u", "most"]),
+                }},
+                connections: ["e.y -> pi.e", "on.y -> pi.{input}", "pi.u -> show.u", "pi.most -> show.most"],
+            )"#
+        );
+        let run = run(&[("model.ron", &model), ("pi.ron", inside)]);
+        for (name, of) in
+            [("show.u", (|t| 2.0 + 3.0 * t) as fn(f64) -> f64), ("show.most", |t| (3.0 * t).max(2.0))]
+        {
+            for (t, y) in run.column(name) {
+                assert!(
+                    (y - of(t)).abs() < 1e-9,
+                    "{parameters}: {name} is {y} at {t} s instead of {}",
+                    of(t)
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn states_are_reset_at_an_edge() {
     let run = in_sine("Ode45", "reset: Falling", INTEGRAL, "\"high.y -> sub.reset\"");
     let expected = |t: f64| {
