@@ -35,6 +35,43 @@ fn a_volume_empties_through_a_laminar_resistance() {
     }
 }
 
+/// A leak of 1e-13 m^3/(s*Pa) between two volumes counts, also where a pump is beside it: `dp = dp_0 exp(-t / (R C)) `.
+#[test]
+fn a_small_leak_counts_beside_a_flow_that_is_given() {
+    let run = network(
+        "10 s",
+        r#""v": FluidVolume(volume: "0.1 L", p0: "20 bar"), "w": FluidVolume(volume: "0.3 L"), "leak": HydraulicResistance(r: 1e13),
+           "pump": HydraulicFlowSource, "flow": Constant(value: "1e-9 m^3/s"), "tank": Tank"#,
+        r#""v.a <-> leak.a <-> pump.a", "leak.b <-> w.a", "pump.b <-> tank.a", "flow.y -> pump.q", "v.p -> s.v", "w.p -> s.w""#,
+        r#""v", "w""#,
+    );
+    let [of_v, of_w, g] = [1e-4 / 1.4e9, 3e-4 / 1.4e9, 1e-13];
+    // What is pumped raises the mean, and a difference by which its share leaks into `w`.
+    let rate = g * (1.0 / of_v + 1.0 / of_w);
+    let steady = 1e-9 / of_v / rate;
+    for (row, t) in run.time.iter().enumerate() {
+        let difference = steady + (2e6 - steady) * (-rate * t).exp();
+        let mean = (of_v * 2e6 + 1e-9 * t) / (of_v + of_w);
+        let v = mean + difference * of_w / (of_v + of_w);
+        let w = mean - difference * of_v / (of_v + of_w);
+        assert!((run.column("s.v")[row] - v).abs() < 1.0, "{} for {v} at {t} s", run.column("s.v")[row]);
+        assert!((run.column("s.w")[row] - w).abs() < 1.0, "{} for {w} at {t} s", run.column("s.w")[row]);
+    }
+}
+
+/// A volume holds as much more fluid as its pressure rises, also where that rises by a signal: the flow into it is not that of the pump
+/// alone, and unknown.
+#[test]
+fn a_volume_at_a_pressure_that_is_a_signal_is_refused_where_its_flow_matters() {
+    let said = problems(
+        r#""v": FluidVolume(volume: "0.1 L"), "source": HydraulicPressureSource, "rise": Ramp(slope: "1e8 Pa/s"), "s": Scope(inputs: ["q"]),
+           "pump": HydraulicFlowSource, "flow": Constant(value: "1e-6 m^3/s"), "tank": Tank, "m": HydraulicFlowSensor"#,
+        r#""rise.y -> source.p", "flow.y -> pump.q", "source.a <-> m.a", "m.b <-> v.a <-> pump.a",
+           "source.b <-> tank.a <-> pump.b", "m.q -> s.q""#,
+    );
+    assert!(said.contains("the volume flow into them contains the slope of that signal"), "{said}");
+}
+
 /// Turbulent: the root of the pressure falls evenly; below the transition it falls as an exponential.
 #[test]
 fn a_volume_empties_through_an_orifice() {

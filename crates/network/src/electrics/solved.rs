@@ -16,6 +16,7 @@
 //! Where capacitances close loops, the equations of their currents stand in the place of their voltages ([`loops`]).
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use petgraph::unionfind::UnionFind;
 
@@ -165,7 +166,7 @@ pub(crate) fn solve(
             _ => Row::new(),
         }
     };
-    let beside = Beside::new(island, &branches);
+    let (beside, units) = (Beside::new(island, &branches), Units::of(electrics, island, &branches));
     let law = (!loops.is_empty()).then(|| Box::new(loops::Law::of(electrics, island, &loops)));
     let mut solved =
         Solved { voltages: Vec::new(), currents: Vec::new(), floating, idle: 0, stiff: false, loops: law };
@@ -181,8 +182,8 @@ pub(crate) fn solve(
             (Now::Given(index), _) => vec![(index as u32, 1.0)],
             _ => Row::new(),
         };
-        solved.voltages.push(clean(&voltage));
-        solved.currents.push(clean(&current));
+        solved.voltages.push(units.clean(&voltage));
+        solved.currents.push(units.clean(&current));
     }
     solved.idle = idle(island, &branches, &solved, given);
     let of_sources = |form: &Form| {
@@ -320,8 +321,58 @@ fn well(system: &System, solution: &[Row]) -> bool {
 
 /// Rounding must not make one part of a circuit depend on another.
 pub(super) fn clean(row: &[(u32, f64)]) -> Form {
-    let scale = row.iter().fold(0.0_f64, |max, (_, value)| max.max(value.abs()));
-    Form::from_terms(row.iter().copied().filter(|(_, value)| value.abs() >= 1e-12 * scale && *value != 0.0))
+    clean_in(row, |_| 1.0)
+}
+
+/// The same where given values are measured in units of their own. What counts in these or in SI units is no rounding.
+fn clean_in(row: &[(u32, f64)], unit: impl Fn(u32) -> f64) -> Form {
+    let sizes = |(i, value): &(u32, f64)| [value.abs(), value.abs() * unit(*i)];
+    let scale =
+        row.iter().map(sizes).fold([0.0_f64; 2], |max, size| [max[0].max(size[0]), max[1].max(size[1])]);
+    let counts =
+        |term: &(u32, f64)| sizes(term).iter().zip(&scale).any(|(size, scale)| *size >= 1e-12 * scale);
+    Form::from_terms(row.iter().copied().filter(|term| term.1 != 0.0 && counts(term)))
+}
+
+/// Units in which the coefficients of given voltages, currents and slopes can be compared: in SI units a current of 1 stands beside
+/// conductances of 1e-13, which are those of leaks where pressures are voltages, and not their rounding.
+struct Units {
+    voltages: usize,
+    /// First of the slopes; the last given value is the constant.
+    slopes: Range<usize>,
+    /// The largest conductance, by which rounding is as large as that of 1.
+    conductance: f64,
+    /// The largest capacitance.
+    capacitance: f64,
+}
+
+impl Units {
+    fn of(electrics: &Electrics, island: &Island, branches: &[Now]) -> Self {
+        let conductances = branches.iter().map(|branch| match *branch {
+            Now::Conductance(g) | Now::Characteristic(g, _) => g.abs(),
+            Now::Resistance(r, _) => r.recip(),
+            _ => 0.0,
+        });
+        let capacitances = island.two_pins.iter().filter_map(|pin| electrics.capacitance(&pin.branch));
+        // Without any there is nothing to compare with.
+        let largest =
+            |values: &mut dyn Iterator<Item = f64>| Some(values.fold(0.0, f64::max)).filter(|max| *max > 0.0);
+        let given = electrics.given();
+        Self {
+            voltages: electrics.sources,
+            slopes: given - 1 - electrics.slopes.len()..given - 1,
+            conductance: largest(&mut { conductances }).unwrap_or(1.0),
+            capacitance: largest(&mut capacitances.map(|c| c.capacitance)).unwrap_or(1.0),
+        }
+    }
+
+    fn clean(&self, row: &[(u32, f64)]) -> Form {
+        clean_in(row, |i| match i as usize {
+            i if self.slopes.contains(&i) => self.conductance / self.capacitance,
+            i if i >= self.voltages && i < self.slopes.start => self.conductance,
+            _ => 1.0,
+        })
+    }
 }
 
 /// The part of the circuit that each node belongs to: 0 is what is connected to ground by voltages or conductances;
