@@ -210,9 +210,17 @@ fn what_cannot_be_sampled_is_refused_with_cause_and_remedy() {
         r#""other": ZeroOrderHold(ts: "0.1000001 s"), "both": Sum(signs: "++")"#,
         r#""x.y -> other.u", "other.y -> both.u1", "back.y -> both.u2", "both.y -> x.u""#,
     );
+    let triggered = loop_of(
+        r#""clock": Pulse(period: "0.3 s", width: 0.5), "part": Subsystem(file: "part.ron", trigger: Rising)"#,
+        r#""clock.y -> part.trigger", "back.y -> part.u", "part.y -> x.u""#,
+    );
     let desk = Desk::new("refused");
+    let part = r#"Diagram(inputs: { "u": () }, outputs: { "y": "i.y" },
+        blocks: { "i": DiscreteIntegrator(ts: "0.3 s") }, connections: ["in.u -> i.u"])"#;
+    std::fs::write(desk.0.join("part.ron"), part).unwrap();
     for (model, words, expected) in [
         (&late, &["--sampled"][..], "`late` answers from memory"),
+        (&triggered, &["--sampled"], "`part/i` is updated at times of its own within the period"),
         (&limited, &["--sampled"], "`limit` answers from memory"),
         (&relay, &["--sampled", "--at", "3s"], "something happens that is not smooth: `relay` switches"),
         (&odd, &["--sampled"], "have no common period of fewer than"),

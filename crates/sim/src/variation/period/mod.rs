@@ -198,8 +198,9 @@ impl PeriodMap {
                 return Err(wrong(message, help).at(&block.path));
             }
             if interface.subdivides {
-                let message = format!("a circuit of `{}` switches by itself within the period", block.path);
-                let help = "use averaged converters, or linearise without `--sampled`";
+                let message = format!("`{}` is updated at times of its own within the period", block.path);
+                let help = "a trigger does that, and a circuit that switches by itself: use averaged converters, or linearise \
+                            without `--sampled`";
                 return Err(wrong(message, help).at(&block.path));
             }
         }
