@@ -90,6 +90,7 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
         }
     }
     drop(answers);
+    let agrees: Vec<bool> = errors.iter().map(Option::is_none).collect();
     for (index, error) in errors.into_iter().enumerate() {
         if let Some(error) = error {
             problems.push(disagreement(flat, index, error));
@@ -105,7 +106,8 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
     for declared in &flat.declared {
         declared_unit(flat, declared, typed.of(&declared.source), problems);
     }
-    let conditional = flat.blocks.iter().enumerate().filter(|(_, block)| is_conditional(block));
+    let conditional =
+        flat.blocks.iter().enumerate().filter(|(number, block)| agrees[*number] && is_conditional(block));
     typed.asked = conditional.map(|(number, block)| (number, typed.given(block))).collect();
     settle_all(&mut typed.interfaces);
     typed

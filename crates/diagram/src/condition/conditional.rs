@@ -92,13 +92,17 @@ impl Conditional {
         inputs: &[(u32, u32)],
         outputs: &[(u32, u32)],
     ) -> Result<Option<(Self, Interface)>, String> {
-        // Who has mistakes of its own has reported them.
-        let Ok(interface) = self.inner.interface(given) else { return Ok(None) };
+        // With the same inputs it had an interface; without its law it would give nothing.
+        let again = |error: InterfaceError| {
+            format!("it takes its inputs once and refuses them then: {}", error.message)
+        };
+        let interface = self.inner.interface(given).map_err(again)?;
         let own = &inputs[..inputs.len().saturating_sub(1)];
         let Some(law) = BlockLaw::record(&self.inner, &interface, own, outputs)? else { return Ok(None) };
         let interface = law.complete(interface);
         let block = Self::new(Arc::new(law), &interface, self.triggered, self.resets, self.pauses);
-        Ok(block.interface(given).ok().map(|interface| (block, interface)))
+        let interface = block.interface(given).map_err(again)?;
+        Ok(Some((block, interface)))
     }
 
     fn layout(&self, c: &Context, states: usize, all: usize) -> Layout {
