@@ -40,7 +40,8 @@ pub struct Part {
     pub inputs: Vec<Input>,
     /// Signal outputs and what they need.
     pub outputs: Vec<(Output, Needs)>,
-    /// The number of the network that each output is; none where [`Component::measure`](super::Component::measure) computes it.
+    /// The number of the network that each output is; none where the component computes it, as in
+    /// [`measure_state`](super::Component::measure_state).
     pub readings: Vec<Option<Reading>>,
     /// Continuous states.
     pub states: Vec<State>,
@@ -137,7 +138,8 @@ impl Part {
         self
     }
 
-    /// Adds a scalar output that is a number of the network: [`Component::measure`](super::Component::measure) leaves it alone.
+    /// Adds a scalar output that is a number of the network: functions such as [`measure_state`](super::Component::measure_state) leave
+    /// it alone.
     pub fn output_read(mut self, output: Output, reading: Reading) -> Self {
         self.outputs.push((output, reading.needs()));
         self.readings.push(Some(reading));
