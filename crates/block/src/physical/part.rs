@@ -254,8 +254,8 @@ impl Part {
         self
     }
 
-    /// Promises that the guards read nothing but states, discrete states, inputs, and positions and speeds of pins, joints and
-    /// frames, so that no torques have to be known for them.
+    /// Has [`Component::guards_of_state`](super::Component::guards_of_state) in the place of `guards`, so that no torques have to be known
+    /// for them.
     pub fn guards_of_state(mut self) -> Self {
         self.guards_of_state = true;
         self
