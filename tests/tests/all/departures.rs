@@ -141,3 +141,32 @@ fn short_steps_that_are_too_long_for_what_is_fast_lead_nowhere() {
         }
     }
 }
+
+/// What is right at the threshold is wrong behind it: the branch changes where the guard leaves zero, and there the rows must stand,
+/// however far apart those of the grid are.
+#[test]
+fn a_jump_where_a_guard_leaves_zero_has_rows_on_both_sides() {
+    for method in ["Auto", "Ode45", "Ode15s"] {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "1 s", solver: {method}, output: Every("1 s")),
+                blocks: {{
+                    "falls": Ramp(slope: -1, initial: 1), "one": Constant(value: 1), "two": Constant(value: 2),
+                    "switch": Switch(threshold: 0.5), "half": Constant(value: 0.5), "above": Compare(operator: GreaterEqual),
+                    "show": Scope(inputs: ["switch", "above"]),
+                }},
+                connections: [
+                    "one.y -> switch.u1", "falls.y -> switch.control, above.u1", "two.y -> switch.u3", "half.y -> above.u2",
+                    "switch.y -> show.switch", "above.y -> show.above",
+                ],
+            )"#
+        ));
+        for (name, from, to) in [("show.switch", 1.0, 2.0), ("show.above", 1.0, 0.0)] {
+            let (times, values) = (&run.time, run.column(name));
+            let after = values.iter().position(|y| *y == to).expect("it changes");
+            assert_eq!(values[after - 1], from, "{method}, {name}");
+            assert_eq!(times[after - 1], times[after], "{method}, {name}: {times:?} {values:?}");
+            assert!((times[after] - 0.5).abs() < 1e-9, "{method}, {name}: {times:?}");
+        }
+    }
+}

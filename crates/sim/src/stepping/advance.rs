@@ -67,8 +67,10 @@ impl Simulation {
             let major = self.t >= stop.t || arrival.cut || arrival.event || every || self.is_impatient();
             self.record_within(if major { self.t - same(self.t) } else { self.t }, observer)?;
             self.record_between(start, observer);
-            if arrival.event || self.rows.jump_at(self.t, &self.hits) {
-                self.look_back(arrival.event)?;
+            // Where a guard leaves its zero, branches are chosen anew as well.
+            let may_jump = arrival.event || arrival.cut;
+            if may_jump || self.rows.jump_at(self.t, &self.hits) {
+                self.look_back(may_jump)?;
             }
             self.sizes.note(&self.x);
             self.remember(start)?;
