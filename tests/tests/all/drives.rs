@@ -27,11 +27,12 @@ fn modulated(parameters: &str, solver: &str, stop: &str) -> Run {
     ))
 }
 
-/// Times at which a gate changes. Each change is two rows of one time.
+/// Times at which a gate changes. Each change is two rows of one time; what happens at the start is the first state of all.
 fn edges(run: &Run, gate: usize) -> Vec<f64> {
     let column = run.column(&format!("s.gates[{gate}]"));
     let changes = (1..column.len()).filter(|&row| column[row] != column[row - 1]);
     changes
+        .filter(|&row| run.time[row] > 1e-9)
         .map(|row| {
             assert_eq!(run.time[row], run.time[row - 1], "a change between two times");
             run.time[row]
@@ -81,6 +82,115 @@ fn natural_edges_lie_where_the_reference_meets_the_carrier() {
         }
     }
     assert_eq!(run.counts.events, 1200);
+}
+
+/// Whether a leg is above the carrier at `t` under a discontinuous law: the leg rests whose voltage, turned by `early` rad, has the
+/// `rank`-th greatest magnitude, on its side.
+fn is_above(leg: usize, t: f64, carrier: f64, (rank, early): (usize, f64)) -> bool {
+    let angle = |leg: usize| TAU * F * t - leg as f64 * TAU / 3.0;
+    let mut by_size = [0, 1, 2];
+    by_size.sort_by(|a, b| {
+        let size = |leg: &usize| (angle(*leg) + early).cos().abs();
+        size(b).total_cmp(&size(a))
+    });
+    let rests = by_size[rank];
+    let side = (angle(rests) + early).cos().signum();
+    let modulation = side + (angle(leg).cos() - angle(rests).cos()) * PEAK / (LINK / 2.0);
+    let triangle = 1.0 - (2.0 * (t * carrier).fract() - 1.0).abs();
+    0.5 * (1.0 + modulation) > 1.0 - triangle
+}
+
+/// Where another leg comes to rest the references jump, and legs turn for a part of a half; a step over that would see nothing.
+#[test]
+fn natural_edges_under_discontinuous_laws_are_those_of_a_dense_search() {
+    let early = TAU / 12.0;
+    let laws = [
+        ("Discontinuous60", (0, 0.0)),
+        ("Discontinuous60Leading", (0, early)),
+        ("Discontinuous60Lagging", (0, -early)),
+        ("Discontinuous30", (1, 0.0)),
+    ];
+    for (name, law) in laws {
+        for carrier in [170.0, 1310.0] {
+            let parameters =
+                format!(r#"switching_frequency: "{carrier} Hz", modulation: {name}, sampling: Natural"#);
+            let run = modulated(&parameters, "Ode45(rtol: 1e-6)", "60 ms");
+            let parts = 120_000;
+            let at = |k: i32| 0.06 * (f64::from(k) + 0.5) / f64::from(parts);
+            for leg in 0..3 {
+                let above = |t: f64| is_above(leg, t, carrier, law);
+                let turns = (1..parts).filter(|k| above(at(k - 1)) != above(at(*k)));
+                let expected: Vec<f64> = turns
+                    .map(|k| {
+                        let (mut left, mut right, before) = (at(k - 1), at(k), above(at(k - 1)));
+                        for _ in 0..50 {
+                            let middle = 0.5 * (left + right);
+                            *(if above(middle) == before { &mut left } else { &mut right }) = middle;
+                        }
+                        right
+                    })
+                    .collect();
+                let edges = edges(&run, 2 * leg);
+                assert_eq!(
+                    edges.len(),
+                    expected.len(),
+                    "{name}, {carrier} Hz, leg {leg}: {edges:?} {expected:?}"
+                );
+                for (edge, expected) in edges.iter().zip(&expected) {
+                    assert!(
+                        (edge - expected).abs() < 1e-9,
+                        "{name}, {carrier} Hz, leg {leg}: {edge}, {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Duties jump by the same law: a comparison behind them sees both sides of the jump.
+#[test]
+fn what_compares_duties_sees_where_they_jump() {
+    let run = run_text(&format!(
+        r#"Diagram(
+    simulation: (stop_time: "20 ms", solver: Ode45(), output: Every("1 s")),
+    blocks: {{
+        "v": Constant(value: "{PEAK} V"), "f": Constant(value: "{F} Hz"), "vdc": Constant(value: "{LINK} V"),
+        "reference": PhaseReference, "duties": DutyCycles(modulation: Discontinuous60),
+        "level": Constant(value: 0.99), "high": Compare(operator: Greater), "s": Scope(inputs: ["gates"]),
+    }},
+    connections: [
+        "v.y -> reference.v", "f.y -> reference.f", "reference.abc -> duties.v", "vdc.y -> duties.vdc",
+        "duties.duty -> high.u1", "level.y -> high.u2", "high.y -> s.gates",
+    ],
+)"#
+    ));
+    // Each leg rests high for 60 degrees around its peak.
+    for (leg, degrees) in [[30.0, 330.0], [90.0, 150.0], [210.0, 270.0]].into_iter().enumerate() {
+        let expected = degrees.map(|degrees| degrees / 360.0 / F);
+        let edges = edges(&run, leg);
+        assert!(edges.len() == 2, "leg {leg}: {edges:?}");
+        assert!(edges.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "leg {leg}: {edges:?}");
+    }
+}
+
+/// A link that is gone for less than a step lets all legs follow a duty of one half.
+#[test]
+fn a_short_loss_of_the_dc_link_is_not_passed_over() {
+    let run = run_text(
+        r#"Diagram(
+    simulation: (stop_time: "100 ms", solver: Ode45(max_step: "40 ms"), output: Every("1 s")),
+    blocks: {
+        "v": Constant(value: ["5 V", "-1 V", "2 V"]),
+        "dip": SignalBuilder(points: [("0 s", "20 V"), ("40 ms", "20 V"), ("41 ms", "-20 V"), ("42 ms", "20 V")]),
+        "pwm": PwmGenerator(switching_frequency: "1 Hz", modulation: Sine, sampling: Natural),
+        "s": Scope(inputs: ["gates", "duty"]),
+    },
+    connections: ["v.y -> pwm.v", "dip.y -> pwm.vdc", "pwm.gates -> s.gates", "pwm.duty -> s.duty"],
+)"#,
+    );
+    let half = run.column("s.duty[0]").iter().zip(&run.time).filter(|(d, _)| **d == 0.5);
+    let times: Vec<f64> = half.map(|(_, t)| *t).collect();
+    assert!((times[0] - 40.5e-3).abs() < 1e-9 && (times.last().unwrap() - 41.5e-3).abs() < 1e-9, "{times:?}");
 }
 
 /// With references that never change only the carrier moves: its crossings count as well.

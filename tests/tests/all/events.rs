@@ -10,7 +10,7 @@ use blocksim_tests::{run_file, run_text};
 use expect_test::{Expect, expect};
 
 /// Texts beside the examples: parameters that add guards.
-const MORE: [&str; 22] = [
+const MORE: [&str; 23] = [
     "Integrator(lower: -1, upper: 1)",
     "Integrator(wrap: (lower: -1, upper: 1))",
     "Integrator(reset: Rising)",
@@ -23,6 +23,7 @@ const MORE: [&str; 22] = [
     "LookupTable2D(rows: [0, 1, 2], columns: [0, 1, 2], table: [[0, 1, 4], [0, 2, 3], [5, 6, 9]])",
     r#"StepperDriver(command: Angle(teeth: 50), amplitude: "2 A")"#,
     r#"PwmGenerator(switching_frequency: "5 kHz", sampling: Natural)"#,
+    r#"PwmGenerator(switching_frequency: "5 kHz", modulation: Discontinuous60, sampling: Natural)"#,
     r#"HBridgePwm(switching_frequency: "5 kHz", scheme: Unipolar, sampling: Natural)"#,
     "RotationalSpringDamper(k: 300.0, d: 2.0, backlash: 0.6, transition: 0.5)",
     "TranslationalSpringDamper(k: 300.0, d: 2.0, backlash: 0.6, transition: 0.5)",
@@ -36,7 +37,7 @@ const MORE: [&str; 22] = [
 ];
 
 /// Kinds that have guards or modes: who adds one adds it here, and none may get lost.
-const WATCHED: [&str; 49] = [
+const WATCHED: [&str; 50] = [
     "Abs",
     "Accumulator",
     "Atan2",
@@ -49,6 +50,7 @@ const WATCHED: [&str; 49] = [
     "DeadZone",
     "DirectionReverser",
     "DirectionalValve",
+    "DutyCycles",
     "ElasticGear",
     "Function",
     "HBridgePwm",

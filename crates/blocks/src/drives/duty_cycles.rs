@@ -1,6 +1,7 @@
 use blocksim_block::prelude::*;
 
 use super::modulation::{Modulation, duty};
+use super::switching;
 
 /// Duties of a three-phase bridge for phase voltages, for a converter without its switching.
 ///
@@ -8,7 +9,8 @@ use super::modulation::{Modulation, duty};
 ///
 /// The laws of modulation, which differ in $v_0$, are those of `PwmGenerator`; here nothing is sampled. An
 /// `AverageValueConverter` makes phase voltages of the duties whose differences are those of $v$, as long as no duty is
-/// at its limit. Without a DC link the duties are 1/2.
+/// at its limit. Without a DC link the duties are 1/2. Where the duties jump, since another leg rests or the link comes or
+/// goes, the solver stops; in between the piece of the law is held.
 ///
 /// ```ron
 /// DutyCycles(modulation: SpaceVector)
@@ -29,16 +31,18 @@ impl Block for DutyCycles {
         let three = PortType::vector(3);
         let wanted =
             Input::real("v").shape(Shape::Vector(3)).unit("V").doc("required phase voltages a, b, c");
-        Ok(Interface::new()
+        let interface = Interface::new()
             .input(wanted)
             .input(Input::real("vdc").scalar().unit("V").doc("voltage of the DC link"))
             .output(Output::like("duty", three).doc("share of the time during which each leg is high"))
-            .output(Output::like("modulation", three).doc("of each leg, -1 (always low) to 1 (always high)")))
+            .output(Output::like("modulation", three).doc("of each leg, -1 (always low) to 1 (always high)"));
+        Ok(switching::hold_branches(interface, self.modulation))
     }
 
     fn law(&self, l: &Recording) -> bool {
         let v = [0, 1, 2].map(|phase| l.input(V)[phase]);
-        let duties = self.modulation.references(v, l.u(VDC)).map(duty);
+        let [held, _] = switching::record_branches(l, self.modulation, (v, l.u(VDC)), [0, 0]);
+        let duties = self.modulation.references_of(v, l.u(VDC), held).map(duty);
         l.each(0, |leg| duties[leg]);
         l.each(1, |leg| 2.0 * duties[leg] - 1.0);
         true

@@ -83,7 +83,7 @@ impl Block for HBridgePwm {
     fn law(&self, l: &Recording) -> bool {
         // Not limited, as natural sampling needs no limits.
         let duties = [0.5 * (1.0 + l.u(0)), 0.5 * (1.0 - l.u(0))];
-        switching::record(l, &self.modulator(), &duties[..self.legs()]);
+        switching::record(l, &self.modulator(), [&duties[..self.legs()]; 2]);
         if self.scheme == Scheme::Bipolar {
             let [upper, lower] = Modulator::leg(l.d(), 0);
             l.set(GATES, 2, lower);

@@ -21,7 +21,8 @@ use super::switching;
 /// Sampling: `Symmetric` takes the inputs at the start of each period, `Asymmetric` in its middle as well. `Natural`
 /// compares them with the carrier all the time; the solver finds where they cross. With a method of fixed step, which
 /// looks for no crossings, natural edges fall on its steps. Edges that are known beforehand are hit exactly, and do not
-/// drift: their times are computed from the number of the period. A controller that samples at the same instant as the
+/// drift: their times are computed from the number of the period. Where the references of a discontinuous law jump, and where
+/// the DC link comes and goes, the solver stops as well: legs may turn there, too. A controller that samples at the same instant as the
 /// modulator is taken without delay; put a `UnitDelay` between them for one that computes for a period.
 ///
 /// After a leg is turned, both its switches are off for `dead_time`. That shortens each pulse and costs voltage:
@@ -53,6 +54,8 @@ pub struct PwmGenerator {
 const V: usize = 0;
 const VDC: usize = 1;
 
+const LEGS: [&str; 3] = ["a", "b", "c"];
+
 const MODULATION: usize = 1;
 const DUTY: usize = 2;
 
@@ -79,14 +82,29 @@ impl Block for PwmGenerator {
             .output(switching::gates(6, "a+, a-, b+, b-, c+, c-"))
             .output(Output::like("modulation", three).doc("of each leg, -1 (always low) to 1 (always high)"))
             .output(Output::like("duty", three).doc("share of the period during which each leg is high"));
-        Ok(switching::remember(interface, self.sampling, &["a", "b", "c"]))
+        let interface = switching::remember(interface, self.sampling, &LEGS);
+        Ok(match self.sampling {
+            Sampling::Natural => switching::hold_branches(interface, self.modulation),
+            Sampling::Symmetric | Sampling::Asymmetric => interface,
+        })
     }
 
     fn law(&self, l: &Recording) -> bool {
         let v = [0, 1, 2].map(|phase| l.input(V)[phase]);
         // Not limited: natural sampling needs no limits, and a reference that stays beyond the carrier must not touch it.
-        let duties = self.modulation.references(v, l.u(VDC)).map(|m| 0.5 * (1.0 + m));
-        switching::record(l, &self.modulator(), &duties);
+        let duties = |branches| self.modulation.references_of(v, l.u(VDC), branches).map(|m| 0.5 * (1.0 + m));
+        let (turning, duties) = match self.sampling {
+            Sampling::Natural => {
+                let own = [Modulator::cells(LEGS.len()), LEGS.len()];
+                let [held, now] = switching::record_branches(l, self.modulation, (v, l.u(VDC)), own);
+                (duties(now), duties(held))
+            }
+            Sampling::Symmetric | Sampling::Asymmetric => {
+                let sampled = duties(self.modulation.branches(v, l.u(VDC)));
+                (sampled, sampled)
+            }
+        };
+        switching::record(l, &self.modulator(), [&turning, &duties]);
         let duty = |leg: usize| match self.sampling {
             Sampling::Natural => duties[leg].within(0.0, 1.0),
             _ => Modulator::duty(l.d(), leg),
@@ -196,7 +214,7 @@ mod tests {
         let y = bench.set(V, &[0.0; 3]).set(VDC, &[560.0]).major();
         assert_eq!(y[..6], [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
         // Duty 1/2, carrier 1 - 0.4.
-        assert!(bench.guards().iter().all(|g| (g + 0.1).abs() < 1e-12));
+        assert!(bench.guards()[..3].iter().all(|g| (g + 0.1).abs() < 1e-12));
         let y = bench.set(V, &[140.0, 0.0, -140.0]).minor();
         assert_eq!((&y[..6], &y[9..]), (&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0][..], &[0.75, 0.5, 0.25][..]));
         assert!(bench.guards()[0] > 0.0);
@@ -229,7 +247,10 @@ mod tests {
         assert!(bench(PWM).interface.guards.is_empty());
         let natural = bench(PwmGenerator { sampling: Sampling::Natural, ..PWM });
         let names: Vec<&str> = natural.interface.guards.iter().map(|guard| guard.name.as_str()).collect();
-        assert_eq!(names, ["a", "b", "c"]);
+        assert_eq!(names, ["a", "b", "c", "link"]);
+        let resting =
+            PwmGenerator { sampling: Sampling::Natural, modulation: Modulation::Discontinuous60, ..PWM };
+        assert_eq!(bench(resting).interface.guards[4].name, "low_leads");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use blocksim_block::prelude::*;
 
-use super::modulation::{Modulator, Sampling};
+use super::modulation::{BRANCHES, Modulation, Modulator, Sampling};
 
 /// The output of the gates, which comes first.
 pub(super) const GATES: usize = 0;
@@ -38,10 +38,39 @@ pub(super) fn remember(interface: Interface, sampling: Sampling, legs: &[&str]) 
     interface
 }
 
-/// Records what the memory of a modulator becomes, its guards and its first gates, those of all legs.
-pub(super) fn record<'r>(l: &Recording<'r>, modulator: &Modulator, duties: &[Value<'r>]) {
-    let (t, memory) = (l.time(), l.d());
-    let settled = modulator.settled(t, duties, memory);
+/// Adds the branches of a law of modulation whose references are looked at all the time: memory and guards.
+pub(super) fn hold_branches(interface: Interface, modulation: Modulation) -> Interface {
+    let interface =
+        interface.discrete("link", 0.0).guard("link").called("gets a DC link", "loses the DC link");
+    if !modulation.is_discontinuous() {
+        return interface;
+    }
+    let interface = interface.discrete("low_leads", 0.0).guard("low_leads");
+    interface.called("lets another leg rest", "lets another leg rest")
+}
+
+/// Records the branches of a law of modulation for phase voltages, V, and a link, V: in the memory and the guards from these on.
+/// Returns the branches that are held, and those of now, to which the memory is set.
+pub(super) fn record_branches<'r>(
+    l: &Recording<'r>,
+    modulation: Modulation,
+    (v, vdc): ([Value<'r>; 3], Value<'r>),
+    [memory, guard]: [usize; 2],
+) -> [[Value<'r>; BRANCHES]; 2] {
+    let (mut held, now) = ([l.constant(0.0); BRANCHES], modulation.branches(v, vdc));
+    for (i, jump) in modulation.jumps(v, vdc).enumerate() {
+        held[i] = l.d()[memory + i];
+        l.settle(memory + i, now[i]);
+        l.guard(guard + i, jump);
+    }
+    [held, now]
+}
+
+/// Records what the memory of a modulator becomes, its guards and its first gates, those of all legs. Legs are turned by the
+/// first duties, and watched by the second ones, which do not jump between the instants at which they may turn.
+pub(super) fn record<'r>(l: &Recording<'r>, modulator: &Modulator, [turning, duties]: [&[Value<'r>]; 2]) {
+    let (t, memory) = (l.time(), &l.d()[..Modulator::cells(duties.len())]);
+    let settled = modulator.settled(t, turning, memory);
     settled.into_iter().enumerate().for_each(|(i, value)| l.settle(i, value));
     if modulator.sampling == Sampling::Natural {
         modulator.guards(t, duties, memory).enumerate().for_each(|(i, guard)| l.guard(i, guard));

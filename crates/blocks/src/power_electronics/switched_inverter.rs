@@ -1,4 +1,4 @@
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_3, TAU};
 
 use blocksim_block::physical::{Domain, Element, Pin, Supply};
 use blocksim_block::prelude::*;
@@ -14,7 +14,7 @@ use crate::machines::space_vector::turned;
 /// carrier, once or twice in each of its periods (`sampling`), at the angle of the middle of the time that the sample
 /// holds for; the edges follow from the duties and are hit exactly. With `Natural` sampling they lie where the references
 /// themselves cross the carrier: the angle runs on within each half of a period, at the amplitude and frequency of its
-/// beginning, so that the crossing is known beforehand. It takes the same inputs as `AveragedInverter`, which
+/// beginning, so that the crossing is known beforehand; where the references of a discontinuous law jump, they are looked at again. It takes the same inputs as `AveragedInverter`, which
 /// gives the mean of these voltages.
 ///
 /// `integration: Together` leaves the circuit to the solver of the diagram, which stops at every edge. `Separate`
@@ -72,6 +72,9 @@ const REVERSE: usize = 2;
 
 const LEGS: usize = 3;
 
+/// Part of a half of the carrier below which an angle counts as reached: more than rounding, and no pulse.
+const REACHED: f64 = 1e-9;
+
 impl SwitchedInverter {
     fn modulator(&self) -> Modulator {
         let carrier = Carrier { frequency: self.switching_frequency };
@@ -101,13 +104,36 @@ impl SwitchedInverter {
             Sampling::Symmetric => middle(0.5),
             Sampling::Asymmetric => middle(0.25),
             Sampling::Natural => {
-                let half = carrier.half(c.t);
+                let (half, span) = (carrier.half(c.t), [c.t, self.known_until(c)]);
+                // Rounding leaves open on which side of a jump the ends are.
+                let inside = self.references(c, 0.5 * (span[0] + span[1]) - c.t);
+                let branches = self.modulation.branches(inside, self.vdc);
                 let of_leg = |leg: usize, t: f64| {
-                    0.5 * (1.0 + self.modulation.references(self.references(c, t - c.t), self.vdc)[leg])
+                    let v = self.references(c, t - c.t);
+                    0.5 * (1.0 + self.modulation.references_of(v, self.vdc, branches)[leg])
                 };
-                [0, 1, 2].map(|leg| carrier.natural_duty(half, |t| of_leg(leg, t)))
+                [0, 1, 2].map(|leg| carrier.natural_duty(half, span, |t| of_leg(leg, t)))
             }
         }
+    }
+
+    /// Until when the references of natural sampling run on without a jump, s: to the end of the half, or to the next angle
+    /// at which another leg rests.
+    fn known_until(&self, c: &Known) -> f64 {
+        let (carrier, speed) = (self.modulator().carrier, TAU * c.scalar(F));
+        let [start, end] = carrier.span(carrier.half(c.t));
+        let Some(jumps_at) = self.modulation.jumps_at() else { return end };
+        // In the direction of the turning; what is that close is reached.
+        let sector = (c.x[0] - jumps_at) * speed.signum() / FRAC_PI_3;
+        let left = 1.0 - sector.rem_euclid(1.0);
+        let reached = (end - start) * REACHED;
+        let times = [left, left + 1.0].map(|sectors| c.t + sectors * FRAC_PI_3 / speed.abs());
+        times.into_iter().find(|t| *t > c.t + reached).map_or(end, |t| t.min(end))
+    }
+
+    /// Whether natural sampling has to look at the references again within a half, since they jump.
+    fn looks_again(&self) -> bool {
+        self.sampling == Sampling::Natural && self.modulation.is_discontinuous()
     }
 
     /// What the voltages of the legs need: an instant of legs that switch within a coupling step says nothing.
@@ -153,6 +179,9 @@ impl Component for SwitchedInverter {
         for (i, cell) in Modulator::initial(LEGS).into_iter().enumerate() {
             part = part.discrete(&format!("modulator[{i}]"), cell);
         }
+        if self.looks_again() {
+            part = part.discrete("known_until", 0.0);
+        }
         for phase in 0..LEGS {
             part = part.element(Element::VoltageSource { p: Pin::Phase(0, phase), n: Pin::Ground });
         }
@@ -172,13 +201,26 @@ impl Component for SwitchedInverter {
 
     fn jump(&self, c: &Flowing, _x: &mut [f64], d: &mut [f64]) -> bool {
         let modulator = self.modulator();
+        let (memory, known_until) = d.split_at_mut(Modulator::cells(LEGS));
+        if known_until.first().is_some_and(|until| *until == c.t) {
+            Modulator::sample_at(c.t, memory);
+        }
+        if !modulator.samples(c.t, memory) {
+            return modulator.settle(c.t, &[0.0; LEGS], memory);
+        }
         // Crossings are looked for when they are needed.
-        let duties = if modulator.samples(c.t, d) { self.duties(c) } else { [0.0; LEGS] };
-        modulator.settle(c.t, &duties, d)
+        let changed = modulator.settle(c.t, &self.duties(c), memory);
+        let moved = known_until.first_mut().is_some_and(|until| {
+            let next = self.known_until(c);
+            std::mem::replace(until, next) != next
+        });
+        changed || moved
     }
 
     fn next_event(&self, c: &Known) -> f64 {
-        self.modulator().next_event(c.t, c.d)
+        let (memory, known_until) = c.d.split_at(Modulator::cells(LEGS));
+        let next = self.modulator().next_event(c.t, memory);
+        known_until.iter().filter(|until| **until > c.t).fold(next, |next, until| next.min(*until))
     }
 
     fn measure_state(&self, c: &Moving, y: &mut [f64]) {
@@ -299,6 +341,58 @@ mod tests {
         assert!((cos - 160.0).abs() < 1e-9 && sin.abs() < 1e-9, "{cos}, {sin}");
         let (cos, sin) = fundamental(Sampling::Symmetric);
         assert!((cos - 160.0).hypot(sin) > 1e-2, "{cos}, {sin}");
+    }
+
+    /// Where the references jump a leg may turn and turn back within a half: the carrier is looked at again and again.
+    #[test]
+    fn natural_legs_are_high_wherever_their_references_are_above_the_carrier() {
+        use Modulation::*;
+        let (u_of, end, parts) = (|f: f64, reverse: f64| [150.0, f, reverse], 0.04, 64_000);
+        for modulation in [
+            Discontinuous60,
+            Discontinuous60Leading,
+            Discontinuous60Lagging,
+            Discontinuous30,
+            Discontinuous120Upper,
+            SpaceVector,
+        ] {
+            for u in [u_of(50.0, 0.0), u_of(-37.0, 0.0), u_of(61.0, 1.0)] {
+                let fs = 17.0 * 53.0;
+                let inverter = SwitchedInverter {
+                    modulation,
+                    switching_frequency: fs,
+                    sampling: Sampling::Natural,
+                    ..INVERTER
+                };
+                let inputs = [(0, 1), (1, 2), (2, 3)];
+                let mut memory = Modulator::initial(LEGS);
+                memory.extend(inverter.looks_again().then_some(0.0));
+                let (mut t, mut k, mut wrong) = (0.0, 0, 0);
+                while t < end {
+                    let x = [0.3 + TAU * u[F] * t];
+                    let seen = Seen { t, x: &x, u: &u, inputs: &inputs, ..Seen::NOTHING };
+                    Component::jump(&inverter, &seen.loaded(), &mut [], &mut memory);
+                    let next = Component::next_event(&inverter, &Seen { d: &memory, ..seen }.loaded());
+                    assert!(next > t);
+                    while k < parts && end * (f64::from(k) + 0.5) / f64::from(parts) < next {
+                        let at = end * (f64::from(k) + 0.5) / f64::from(parts);
+                        let carrier = 1.0 - (1.0 - 2.0 * (at * fs).fract()).abs();
+                        let angle = 0.3 + TAU * u[F] * at;
+                        let mut v = [0.0, 1.0, 2.0].map(|k| 150.0 * (angle - k * TAU / 3.0).cos());
+                        if u[REVERSE] != 0.0 {
+                            v.swap(1, 2);
+                        }
+                        for (leg, duty) in modulation.references(v, 400.0).iter().enumerate() {
+                            let above = 0.5 * (1.0 + duty) > 1.0 - carrier;
+                            wrong += i32::from(above != Modulator::is_high(&memory, leg));
+                        }
+                        k += 1;
+                    }
+                    t = next;
+                }
+                assert_eq!((k, wrong), (parts, 0), "{modulation:?}, {u:?}");
+            }
+        }
     }
 
     #[test]

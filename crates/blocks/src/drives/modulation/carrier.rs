@@ -81,14 +81,14 @@ impl Carrier {
         edges.filter(|edge| *edge > t).fold(f64::INFINITY, f64::min)
     }
 
-    /// When a duty that changes within a half crosses the carrier (natural sampling), s. `reference` gives the duty at a
-    /// time, s, and need not be limited. None if it stays on one side; one of the crossings if it changes faster
+    /// When a duty that changes between two instants of a half crosses the carrier (natural sampling), s. `reference` gives the
+    /// duty at a time, s, and need not be limited. None if it stays on one side; one of the crossings if it changes faster
     /// than the carrier and there are several.
     ///
     /// Found by bisection to the last place: neighbouring numbers enclose the crossing, the later one is returned.
-    pub fn crossing(&self, half: f64, reference: impl Fn(f64) -> f64) -> Option<f64> {
+    pub fn crossing(&self, half: f64, [from, to]: [f64; 2], reference: impl Fn(f64) -> f64) -> Option<f64> {
         let above = |t: f64| reference(t) - self.level(t, half) > 0.0;
-        let (mut left, mut right) = (self.start(half), self.start(half + 1.0));
+        let (mut left, mut right) = (from, to);
         let before = above(left);
         if before == above(right) {
             return None;
@@ -106,18 +106,24 @@ impl Carrier {
         }
     }
 
-    /// The duty that, held over a half, switches where a duty that changes within it crosses the carrier: what natural
-    /// sampling comes to once the course of the reference is known beforehand. `reference` as in
+    /// The duty that, held between two instants of a half, switches where a duty that changes between them crosses the
+    /// carrier: what natural sampling comes to once the course of the reference is known beforehand. `reference` as in
     /// [`crossing`](Self::crossing).
-    pub fn natural_duty(&self, half: f64, reference: impl Fn(f64) -> f64) -> f64 {
-        let Some(t) = self.crossing(half, &reference) else {
+    pub fn natural_duty(&self, half: f64, [from, to]: [f64; 2], reference: impl Fn(f64) -> f64) -> f64 {
+        let Some(t) = self.crossing(half, [from, to], &reference) else {
             // What is not a number stays so.
-            let middle = reference(self.start(half + 0.5)) - self.level(self.start(half + 0.5), half);
+            let at = 0.5 * (from + to);
+            let middle = reference(at) - self.level(at, half);
             return if middle.is_nan() { f64::NAN } else { f64::from(middle > 0.0) };
         };
         let (wanted, level) = (reference(t), self.level(t, half));
         // A duty that rests at the peak of the carrier does not switch there; one that jumps across it does.
         if (wanted - level).abs() < ON_CARRIER { wanted } else { level }
+    }
+
+    /// When a half begins and ends, s.
+    pub fn span(&self, half: f64) -> [f64; 2] {
+        [half, half + 1.0].map(|half| self.start(half))
     }
 }
 
@@ -219,7 +225,7 @@ mod tests {
     fn a_crossing_lies_where_the_reference_meets_the_carrier() {
         let reference = |t: f64| 0.5 + 0.45 * (TAU * 400.0 * t + 0.3).sin();
         for half in (0..400).map(f64::from) {
-            let t = CARRIER.crossing(half, reference).expect("a crossing in each half");
+            let t = CARRIER.crossing(half, CARRIER.span(half), reference).expect("a crossing in each half");
             assert!((reference(t) - CARRIER.level(t, half)).abs() < 1e-10, "half {half}");
             // Newton's iteration on the straight line of the carrier, as a second way to the same point.
             let mut other = CARRIER.edge(half, 0.5);
@@ -228,26 +234,26 @@ mod tests {
             }
             assert!((t - other).abs() < 1e-15, "half {half}: {t} != {other}");
         }
-        assert_eq!(CARRIER.crossing(3.0, |_| 1.5), None);
-        assert_eq!(CARRIER.crossing(4.0, |_| -0.5), None);
+        assert_eq!(CARRIER.crossing(3.0, CARRIER.span(3.0), |_| 1.5), None);
+        assert_eq!(CARRIER.crossing(4.0, CARRIER.span(4.0), |_| -0.5), None);
     }
 
     #[test]
     fn a_natural_duty_switches_at_the_crossing_and_full_ones_do_not_switch() {
         let reference = |t: f64| 0.5 + 0.45 * (TAU * 400.0 * t + 0.3).sin();
         for half in (0..400).map(f64::from) {
-            let t = CARRIER.crossing(half, reference).expect("a crossing in each half");
-            let edge = CARRIER.edge(half, CARRIER.natural_duty(half, reference));
+            let t = CARRIER.crossing(half, CARRIER.span(half), reference).expect("a crossing in each half");
+            let edge = CARRIER.edge(half, CARRIER.natural_duty(half, CARRIER.span(half), reference));
             assert!((edge - t).abs() < 1e-14, "half {half}: {edge} != {t}");
         }
         for half in [4.0, 5.0] {
-            let constant = |duty: f64| CARRIER.natural_duty(half, move |_| duty);
+            let constant = |duty: f64| CARRIER.natural_duty(half, CARRIER.span(half), move |_| duty);
             assert_eq!([0.0, 0.25, 1.0, -0.5, 1.5].map(constant), [0.0, 0.25, 1.0, 0.0, 1.0], "half {half}");
             assert!(constant(f64::NAN).is_nan());
         }
         // Across the carrier in one jump, a quarter of the half after its start.
         let at = CARRIER.start(6.25);
-        let jumps = CARRIER.natural_duty(6.0, |t| f64::from(t >= at));
+        let jumps = CARRIER.natural_duty(6.0, CARRIER.span(6.0), |t| f64::from(t >= at));
         assert!((CARRIER.edge(6.0, jumps) - at).abs() < 1e-14);
     }
 
@@ -260,8 +266,10 @@ mod tests {
         let reference = |t: f64| 0.5 * (1.0 + depth * (TAU * t).cos());
         let mut coefficients = [0.0; 4];
         for period in (0..21).map(f64::from) {
-            let on = carrier.crossing(2.0 * period, reference).expect("a rise");
-            let off = carrier.crossing(2.0 * period + 1.0, reference).expect("a fall");
+            let on = carrier.crossing(2.0 * period, carrier.span(2.0 * period), reference).expect("a rise");
+            let off = carrier
+                .crossing(2.0 * period + 1.0, carrier.span(2.0 * period + 1.0), reference)
+                .expect("a fall");
             for (n, sum) in coefficients.iter_mut().enumerate().skip(1) {
                 let w = TAU * n as f64;
                 // Poles are 1 while high and -1 while low; the mean of the constant over a turn is zero.

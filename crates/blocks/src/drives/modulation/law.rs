@@ -1,5 +1,7 @@
 //! From voltages to modulation and duties.
 
+use std::f64::consts::FRAC_PI_6;
+
 use serde::Deserialize;
 
 use super::amount::Amount;
@@ -30,6 +32,9 @@ pub enum Modulation {
     Discontinuous120Lower,
 }
 
+/// How many [branches](Modulation::branches) a law has.
+pub const BRANCHES: usize = 2;
+
 /// Share of a period during which a leg is high, from its modulation: $(1 + m)/2$, limited to 0 to 1. What is not a number
 /// stays so.
 #[inline]
@@ -49,36 +54,90 @@ impl Modulation {
     /// Modulation of the legs a, b, c for phase voltages `v`, V, from a DC link of `vdc`, V: -1 is always low, 1 always
     /// high. Not limited: beyond ±1 the bridge is overmodulated. Without a DC link all are 0.
     pub fn references<N: Amount>(self, v: [N; 3], vdc: N) -> [N; 3] {
-        let zero = vdc.fixed(0.0);
-        // Nothing is divided by the voltage of a link that is not there.
-        let half = vdc.greater(zero, vdc * 0.5, vdc.fixed(1.0));
-        // What is not a number stays so.
-        let none = vdc * 0.0 + 0.0;
-        self.per_unit(v.map(|v| v / half)).map(|m| vdc.greater(zero, m, none))
+        self.references_of(v, vdc, self.branches(v, vdc))
     }
 
-    /// The same from voltages over half of the link.
-    fn per_unit<N: Amount>(self, u: [N; 3]) -> [N; 3] {
-        let [a, b, c] = u;
-        let one = a.fixed(1.0);
-        let free = [a * 2.0 - b - c, b * 2.0 - c - a, c * 2.0 - a - b];
+    /// The same, continuous in `v` and `vdc`, where the branches of the law are given; see [`branches`](Self::branches).
+    pub fn references_of<N: Amount>(self, v: [N; 3], vdc: N, [link, low_leads]: [N; BRANCHES]) -> [N; 3] {
+        let (zero, one) = (vdc.fixed(0.0), vdc.fixed(1.0));
+        // Nothing is divided by the voltage of a link that is not there.
+        let half = vdc.greater(zero, vdc * 0.5, one);
+        // What is not a number stays so.
+        let none = vdc * 0.0 + 0.0;
+        self.per_unit(v.map(|v| v / half), low_leads).map(|m| link.equal(one, m, none))
+    }
+
+    /// Between which pieces of the law its references jump, each 0 or 1: whether there is a DC link, and whether the lowest of
+    /// the keys is further from zero than the highest, which tells the discontinuous laws on which side a leg rests.
+    ///
+    /// Whoever looks at references all the time holds them from one zero of [`jumps`](Self::jumps) to the next: else a jump
+    /// between two looks hides what is crossed on its other side.
+    pub fn branches<N: Amount>(self, v: [N; 3], vdc: N) -> [N; BRANCHES] {
+        let (zero, one) = (vdc.fixed(0.0), vdc.fixed(1.0));
+        let low_leads = self.lead(v).map_or(zero, |lead| zero.greater(lead, one, zero));
+        [vdc.greater(zero, one, zero), low_leads]
+    }
+
+    /// Functions, V, whose changes of sign change the [branches](Self::branches) in their order; without the second for laws that
+    /// are continuous in the references.
+    pub fn jumps<N: Amount>(self, v: [N; 3], vdc: N) -> impl Iterator<Item = N> {
+        std::iter::once(vdc).chain(self.lead(v))
+    }
+
+    /// Whether the references jump while there is a DC link.
+    pub fn is_discontinuous(self) -> bool {
+        self.jumps_at().is_some()
+    }
+
+    /// Angle of phase a, rad, at which balanced references jump, and again after each 60 degrees; none if they never do.
+    pub fn jumps_at(self) -> Option<f64> {
+        match self {
+            Self::Discontinuous60 | Self::Discontinuous30 => Some(FRAC_PI_6),
+            Self::Discontinuous60Leading | Self::Discontinuous60Lagging => Some(0.0),
+            Self::Sine | Self::SpaceVector | Self::Discontinuous120Upper | Self::Discontinuous120Lower => {
+                None
+            }
+        }
+    }
+
+    /// How much further from zero the highest of the keys is than the lowest, V, where that matters.
+    fn lead<N: Amount>(self, v: [N; 3]) -> Option<N> {
+        let keys = self.keys(v);
+        self.is_discontinuous().then(|| of_highest(keys, keys) + of_lowest(keys, keys))
+    }
+
+    /// What the legs are judged by. The sum of the keys of a discontinuous law is zero; where two of them are equal without
+    /// being the ones in the middle, the third is further from zero, so that the law jumps only from one side to the other.
+    fn keys<N: Amount>(self, [a, b, c]: [N; 3]) -> [N; 3] {
+        match self {
+            Self::Discontinuous60 | Self::Discontinuous30 => {
+                [a * 2.0 - b - c, b * 2.0 - c - a, c * 2.0 - a - b]
+            }
+            Self::Discontinuous60Leading => [a - b, b - c, c - a],
+            Self::Discontinuous60Lagging => [a - c, b - a, c - b],
+            _ => [a, b, c],
+        }
+    }
+
+    /// References from voltages over half of the link.
+    fn per_unit<N: Amount>(self, u: [N; 3], low_leads: N) -> [N; 3] {
+        let one = low_leads.fixed(1.0);
+        let keys = self.keys(u);
+        // The leg that rests is exactly at its side, so that it does not switch.
+        let resting = |leg: N, side: N| u.map(|x| side + (x - leg));
+        let either = |low: N, high: N| low_leads.equal(one, low, high);
         match self {
             Self::Sine => u,
             Self::SpaceVector => {
                 let middle = (of_highest(u, u) + of_lowest(u, u)) * 0.5;
                 u.map(|u| u - middle)
             }
-            Self::Discontinuous60 => outermost(u, free),
-            Self::Discontinuous60Leading => outermost(u, [a - b, b - c, c - a]),
-            Self::Discontinuous60Lagging => outermost(u, [a - c, b - a, c - b]),
-            Self::Discontinuous30 => {
-                let (low, high) = (-of_lowest(free, free), of_highest(free, free));
-                let (leg, side) =
-                    (low.greater(high, of_highest(u, u), of_lowest(u, u)), low.greater(high, one, -one));
-                clamped(u, leg, side)
+            Self::Discontinuous60 | Self::Discontinuous60Leading | Self::Discontinuous60Lagging => {
+                resting(either(of_lowest(u, keys), of_highest(u, keys)), either(-one, one))
             }
-            Self::Discontinuous120Upper => clamped(u, of_highest(u, u), one),
-            Self::Discontinuous120Lower => clamped(u, of_lowest(u, u), -one),
+            Self::Discontinuous30 => resting(either(of_highest(u, u), of_lowest(u, u)), either(one, -one)),
+            Self::Discontinuous120Upper => resting(of_highest(u, u), one),
+            Self::Discontinuous120Lower => resting(of_lowest(u, u), -one),
         }
     }
 
@@ -86,18 +145,6 @@ impl Modulation {
     pub fn duties(self, v: [f64; 3], vdc: f64) -> [f64; 3] {
         self.references(v, vdc).map(duty)
     }
-}
-
-/// Shifts all references so that the leg with this one rests at one side. Its own value is exact, so that it does not switch.
-fn clamped<N: Amount>(u: [N; 3], leg: N, side: N) -> [N; 3] {
-    u.map(|x| side + (x - leg))
-}
-
-/// The references clamped at the leg whose key is farthest from zero, on its side.
-fn outermost<N: Amount>(u: [N; 3], keys: [N; 3]) -> [N; 3] {
-    let (low, high) = (-of_lowest(keys, keys), of_highest(keys, keys));
-    let one = high.fixed(1.0);
-    clamped(u, low.greater(high, of_lowest(u, keys), of_highest(u, keys)), low.greater(high, -one, one))
 }
 
 /// The value whose key is greatest; the first of those.
@@ -120,7 +167,7 @@ fn of_lowest<N: Amount>(values: [N; 3], keys: [N; 3]) -> N {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::{FRAC_PI_6, TAU};
+    use std::f64::consts::TAU;
 
     use super::*;
 

@@ -12,5 +12,5 @@ mod modulator;
 
 pub use amount::Amount;
 pub use carrier::Carrier;
-pub use law::{Modulation, duty};
+pub use law::{BRANCHES, Modulation, duty};
 pub use modulator::{Modulator, Sampling};

@@ -138,6 +138,11 @@ impl Modulator {
         last < 0.0 || memory[SAMPLED] == t || self.samples_between(last, self.carrier.half(t))
     }
 
+    /// Makes the next [`settle`](Self::settle) sample the duties of `t`, s, in the middle of what a sample holds for otherwise.
+    pub fn sample_at(t: f64, memory: &mut [f64]) {
+        memory[SAMPLED] = t;
+    }
+
     /// Whether samples are taken between the starts of two halves.
     fn samples_between(&self, last: f64, half: f64) -> bool {
         match self.sampling {
