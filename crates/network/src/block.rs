@@ -17,7 +17,7 @@ impl Block for Network {
     }
 
     fn initialize(&self, c: &Context, x: &mut [f64], d: &mut [f64]) {
-        self.follow_speeds(x, &[], d);
+        self.follow_speeds(x, d);
         self.turn_machines(c, x, d);
     }
 
@@ -113,18 +113,23 @@ impl Block for Network {
         let here = Context { x: &before, d: &modes, ..*c };
         self.motion_phase(&here, w);
         let booked = self.before_jump(&here, w, x, d);
-        let mut jumped = self.loops_meet_sources() && self.meet_loops(&here, w, x);
+        let met = self.loops_meet_sources() && self.meet_loops(&here, w, x);
+        if met {
+            self.slide_on(&here, w, x, d);
+        }
+        let mut jumped = met;
         for seat in self.active.jumps.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.component() {
                 let (x, d) = (&mut x[seat.x.clone()], &mut d[seat.d.clone()]);
                 jumped |= component.jump(&self.flowing_law(&here, seat, w), x, d);
             }
         }
-        if jumped {
-            // What has been struck slides.
-            self.follow_speeds(x, &w.s, d);
-        } else {
+        if !jumped {
             jumped = self.choose_modes(&here, w, x, d);
+            if !self.stiction.sources.is_empty() {
+                // What has jumped until now has been heard.
+                d[self.stiction.sources.clone()][..w.s.len()].copy_from_slice(&w.s);
+            }
         }
         (w.before, w.modes) = (before, modes);
         let here = Context { x: &[], d: &[], ..*c };
@@ -140,6 +145,11 @@ impl Block for Network {
             w.evaluation = [u64::MAX; 3];
         }
         jumped
+    }
+
+    fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
+        self.note_prescribed_speeds(c, d);
+        false
     }
 
     fn update(&self, c: &Context, w: &mut Scratch, d: &mut [f64]) {

@@ -289,3 +289,127 @@ fn a_brake_that_nothing_presses_has_no_modes_and_finds_the_right_one() {
         }
     }
 }
+
+const ALL: [&str; 10] = [
+    "Auto",
+    "Ode45()",
+    "Ode15s()",
+    "Ode15s(rtol: 1e-9)",
+    "Radau5()",
+    "Rodas4()",
+    "Ode23tb()",
+    "Ode23t()",
+    "RosW3()",
+    "Ode4(step: 1e-4)",
+];
+
+/// A motor at stall pulls with 6 N*m at what a friction of 8 N*m holds and a sliding one of 2 N*m would not. Implicit methods leave a
+/// speed of 1e-26 rad/s there, which is none: nothing slips but by a torque or a blow.
+#[test]
+fn what_is_held_does_not_slip_by_the_rounding_of_a_speed() {
+    let frictions = [
+        (
+            "RotationalFriction(breakaway: 8, breakaway_velocity: 0, coulomb: 2, viscous: 0.1, model: Stiction)",
+            "",
+            "",
+        ),
+        ("Brake(torque: 2, peak: 4)", r#""on": Constant(value: true),"#, r#", "on.y -> friction.engaged""#),
+        // At the end of its travel it stays as well, and touches it once.
+        ("RotationalRigidStop(upper: 0.05, restitution: 0)", "", ""),
+    ];
+    for (friction, blocks, wires) in frictions {
+        let mut positions = Vec::new();
+        for solver in ALL {
+            let run = run_blocks(
+                "1 s",
+                solver,
+                &format!(
+                    r#""v": VoltageSource(v: "12 V"), "g": ElectricalReference, "m": DcMotor(r: 1, l: "1 mH", k: 0.1, j: 1e-4),
+                       "gear": SimpleGear(ratio: 5, direction: Same), "spring": RotationalSpringDamper(k: 50, d: 0.5),
+                       "load": Inertia(j: 0.05, w0: -1), "friction": {friction}, {blocks} "frame": RotationalReference,
+                       "sensor": MotionSensor, "scope": Scope(inputs: ["w", "phi"])"#
+                ),
+                &format!(
+                    r#""v.p <-> m.p", "v.n <-> m.n <-> g.p", "m.r <-> gear.base", "gear.follower <-> spring.r",
+                       "spring.c <-> load.r <-> friction.r <-> sensor.r", "m.c <-> frame.r <-> friction.c <-> sensor.c",
+                       "sensor.w -> scope.w", "sensor.phi -> scope.phi"{wires}"#
+                ),
+            );
+            let what = format!("{friction}, {solver}: {:?}", run.events);
+            let rests = run.events.iter().filter(|(_, path, _)| path == "friction");
+            let most = if friction.contains("Stop") { 2 } else { 1 };
+            assert!(
+                rests.count() <= most && run.counts.accepted < 12_000,
+                "{what}, {} steps",
+                run.counts.accepted
+            );
+            close(run.last("scope.w"), 0.0, 1e-9);
+            positions.push(run.last("scope.phi"));
+        }
+        for (position, solver) in positions.iter().zip(ALL) {
+            let tolerance = if solver.starts_with("Ode4(") { 1e-3 } else { 1e-7 };
+            assert!(
+                (position - positions[1]).abs() < tolerance,
+                "{friction}, {solver}: {position}, {positions:?}"
+            );
+        }
+    }
+}
+
+/// On a belt that swings, under a load that sliding friction would not hold. The speed of what is stuck is integrated, and
+/// is that of the belt up to the error of the method, which is no blow.
+#[test]
+fn what_a_swinging_belt_carries_stays_on_it() {
+    for solver in ALL {
+        let run = run_blocks(
+            "2 s",
+            solver,
+            r#""w": Sine(amplitude: "0.5 rad/s", frequency: "1 Hz"), "dw": Sine(amplitude: "3.141592653589793 rad/s^2", frequency: "1 Hz", phase: "90 deg"),
+               "belt": IdealSpeedSource, "disc": Inertia(j: 0.5), "pull": Constant(value: "4 N*m"), "load": IdealTorqueSource,
+               "friction": RotationalFriction(breakaway: 8, breakaway_velocity: 0, coulomb: 2, model: Stiction),
+               "frame": RotationalReference, "sensor": MotionSensor, "scope": Scope(inputs: ["w"])"#,
+            r#""w.y -> belt.w", "dw.y -> belt.dw", "belt.r <-> friction.c", "friction.r <-> disc.r <-> load.r <-> sensor.r",
+               "pull.y -> load.tau", "belt.c <-> load.c <-> sensor.c <-> frame.r", "sensor.w -> scope.w""#,
+        );
+        assert_eq!(modes(&run, "friction"), [0.0; 0], "{solver}: {:?}", run.events);
+        let tolerance = if solver.starts_with("Ode4(") { 1e-9 } else { 1e-5 };
+        for (t, w) in run.time.iter().zip(run.column("scope.w")) {
+            close(*w, 0.5 * (2.0 * PI * t).sin(), tolerance);
+        }
+    }
+}
+
+/// Where the speed of the belt jumps, what lies on it slides until friction has made up for the jump, be it ever so well held.
+#[test]
+fn a_belt_whose_speed_jumps_slips_under_what_it_carries() {
+    let (a, size, after) = (0.2, 1.0, 2.0 / 0.5);
+    let omega = 2.0 * PI;
+    // Slip: the jump, less what friction gives, and what the belt moves on.
+    let slip = |t: f64| size - after * (t - 0.3) + a * ((omega * t).sin() - (omega * 0.3).sin());
+    let (mut left, mut right) = (0.3, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (left + right);
+        *(if slip(middle) > 0.0 { &mut left } else { &mut right }) = middle;
+    }
+    for solver in ALL.iter().filter(|solver| !solver.starts_with("Ode4(")) {
+        let run = run_blocks(
+            "1 s",
+            solver,
+            &format!(
+                r#""swing": Sine(amplitude: "{a} rad/s", frequency: "1 Hz"), "blow": Step(time: "0.3 s", after: "{size} rad/s"), "w": Sum(signs: "++"),
+                   "dw": Sine(amplitude: "{} rad/s^2", frequency: "1 Hz", phase: "90 deg"),
+                   "belt": IdealSpeedSource, "disc": Inertia(j: 0.5),
+                   "friction": RotationalFriction(breakaway: 8, breakaway_velocity: 0, coulomb: 2, model: Stiction),
+                   "frame": RotationalReference, "sensor": MotionSensor, "scope": Scope(inputs: ["w"])"#,
+                a * omega
+            ),
+            r#""swing.y -> w.u1", "blow.y -> w.u2", "w.y -> belt.w", "dw.y -> belt.dw", "belt.r <-> friction.c",
+               "friction.r <-> disc.r <-> sensor.r", "belt.c <-> sensor.c <-> frame.r", "sensor.w -> scope.w""#,
+        );
+        let found = modes(&run, "friction");
+        assert_eq!(found.len(), 2, "{solver}: {:?}", run.events);
+        close(found[0], 0.3, 1e-12);
+        close(found[1], left, 1e-4);
+        close(run.last("scope.w"), size, 1e-4);
+    }
+}

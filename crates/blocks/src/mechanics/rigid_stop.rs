@@ -20,6 +20,10 @@ pub struct RigidStop {
 /// Between its ends the direction is no event.
 const AT_REST: &[Change] = &[Change::to(0.0, "rests at its end"), Change::from(0.0, "leaves its end")];
 
+/// How far from its end, as a part of its position, what rests there may be, and the least position that this is taken of, SI.
+const AT_END: f64 = 1e-6;
+const LEAST: f64 = 1e-3;
+
 /// Reports a travel without an end.
 pub(crate) fn without_end() -> ParamError {
     ParamError::new("lower", "the travel has no end").help("give `lower`, `upper` or both")
@@ -38,11 +42,11 @@ impl Component for RigidStop {
     }
 
     fn grips(&self, c: &Flowing, grips: &mut [Grip]) {
-        grips[0] = self.grip(c.x[0]);
+        grips[0] = self.grip(self.place(c));
     }
 
     fn guards(&self, c: &Flowing, g: &mut [f64]) {
-        self.ends(c.x[0]).zip(g).for_each(|((_, distance), g)| *g = distance);
+        self.ends(self.place(c)).zip(g).for_each(|((_, distance), g)| *g = distance);
     }
 
     fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
@@ -51,6 +55,14 @@ impl Component for RigidStop {
 }
 
 impl RigidStop {
+    /// The position; that of the end while it rests there. An implicit method leaves a rest of its iterations in a position that
+    /// does not change, and an end that is missed by that would be left and touched again and again.
+    fn place(&self, c: &Flowing) -> f64 {
+        let position = c.x[0];
+        let rests = |end: &f64| c.mode == [0.0] && (position - end).abs() <= AT_END * end.abs().max(LEAST);
+        [self.lower, self.upper].into_iter().flatten().find(rests).unwrap_or(position)
+    }
+
     /// Nothing is held within the travel, everything at its ends.
     fn grip(&self, position: f64) -> Grip {
         let upper = self.upper.filter(|upper| position >= *upper).map(|upper| position - upper);

@@ -41,12 +41,14 @@ impl Network {
                 continue;
             }
             wrong |= mode == OPEN;
-            let (speed, zero, drifted) = self.slip(i, c.x, &w.s);
+            let speed = self.slip(i, c.x, &w.s).0;
             // A freewheel that is struck, a mesh that jams: they stop at once.
             let never = speed != 0.0 && w.grip[i].hold[usize::from(speed < 0.0)] == f64::INFINITY
                 || self.jam(i, mode, w) < 0.0;
-            let threshold = if mode == 0.0 { drifted } else { zero } + self.jitter(i, c, w);
-            let moves = speed.abs() > threshold && (mode == 0.0 || mode == OPEN || mode * speed > 0.0);
+            let threshold = self.stands_below(i, c, w);
+            let may_move =
+                if mode == 0.0 { self.is_thrown(i, c, w) } else { mode == OPEN || mode * speed > 0.0 };
+            let moves = speed.abs() > threshold && may_move;
             w.struck |= never && speed.abs() > threshold;
             w.rests[i] = if moves && !never {
                 wrong |= mode == 0.0;

@@ -37,8 +37,7 @@ impl Network {
         let count = self.stiction.len();
         let first = self.stiction.modes.start;
         for (i, mode) in self.stiction.of(c.d).iter().copied().enumerate() {
-            let (speed, zero, _) = self.slip(i, c.x, &w.s);
-            let zero = zero + self.jitter(i, c, w);
+            let (speed, zero) = (self.slip(i, c.x, &w.s).0, self.stands_below(i, c, w));
             let slides = |sign: f64| if speed == 0.0 { sign } else { speed.signum() };
             (w.rests[i], modes[first + i]) = match self.rigid(i, mode, w) {
                 Rigid::No => (Rest::Free, slides(if mode == 0.0 { 1.0 } else { mode })),
@@ -66,10 +65,9 @@ impl Network {
                 w.rests[i] = Rest::Open;
                 continue;
             }
-            let (speed, zero, drifted) = self.slip(i, at, &w.s);
+            let speed = self.slip(i, at, &w.s).0;
             let locked = modes[first + i] == 0.0 && w.bounce[i] == 0.0;
-            let still = if self.stiction.of(c.d)[i] == 0.0 { drifted } else { zero } + self.jitter(i, c, w);
-            w.rests[i] = match locked || speed.abs() <= still {
+            w.rests[i] = match locked || speed.abs() <= self.stands_below(i, &Context { x: at, ..*c }, w) {
                 true => self.stands(i, w),
                 false => Rest::Moves(speed.signum()),
             };

@@ -26,8 +26,8 @@ use crate::work::Work;
 /// Speeds below this part of those that they are the difference of are zero: some thousand units in the last place.
 const STANDS: f64 = 1e-12;
 
-/// What is stuck may have drifted by this part before it counts as struck.
-const DRIFT: f64 = 1e-9;
+/// What is stuck may have drifted by this part before its speed is set to zero again: as any state by the errors of the method.
+const DRIFT: f64 = 1e-6;
 
 /// Accelerations and torques that are rounding, relative to all that pulls at the network and to what the friction itself
 /// causes.
@@ -93,14 +93,58 @@ impl Network {
         RESOLUTION * c.t.abs() * own.map(|(k, factor)| (factor * w.dv[*k as usize]).abs()).sum::<f64>()
     }
 
-    /// Modes that the speeds alone tell: at the start, and after impacts.
-    pub(crate) fn follow_speeds(&self, x: &[f64], s: &[f64], d: &mut [f64]) {
+    /// The speed below which a part stands, while `w` holds the evaluation at `c`. What is stuck has been integrated at a speed of zero
+    /// and drifts from there: by rounding of its acceleration for as long as the run lasts, and by what the iterations of an implicit
+    /// method leave of zero.
+    fn stands_below(&self, i: usize, c: &Context, w: &Work) -> f64 {
+        let (_, zero, drifted) = self.slip(i, c.x, &w.s);
+        let own = if self.stiction.of(c.d)[i] == 0.0 {
+            let acceleration = self.row_of(i, w).map_or(0.0, |row| ROUNDING * w.schur.scale(row) * w.pull);
+            drifted.max(AT_REST) + acceleration * c.t.abs()
+        } else {
+            zero
+        };
+        own + self.jitter(i, c, w)
+    }
+
+    /// Modes that the speeds alone tell at the start.
+    pub(crate) fn follow_speeds(&self, x: &[f64], d: &mut [f64]) {
         for i in 0..self.stiction.len() {
-            let (speed, zero, _) = self.slip(i, x, s);
+            let (speed, zero, _) = self.slip(i, x, &[]);
             if speed.abs() > zero {
                 d[self.stiction.modes.start + i] = speed.signum();
             }
         }
+    }
+
+    /// What has been struck through closed loops slides; what was stuck and has not been struck stays so. `w` holds the evaluation
+    /// at `c`, before the speeds became those of `x`.
+    pub(crate) fn slide_on(&self, c: &Context, w: &Work, x: &[f64], d: &mut [f64]) {
+        for i in 0..self.stiction.len() {
+            let (speed, zero, _) = self.slip(i, x, &w.s);
+            let stands = if self.stiction.of(c.d)[i] == 0.0 { self.stands_below(i, c, w) } else { zero };
+            if speed.abs() > stands {
+                d[self.stiction.modes.start + i] = speed.signum();
+            }
+        }
+    }
+
+    /// Whether a prescribed speed has thrown what is stuck out of its rest, while `w` holds the evaluation at `c`.
+    ///
+    /// No dry friction passes an impulse on, so what is stuck slides where a speed jumps; nothing else makes it slide but a torque
+    /// (`guards.rs`) and what is rigid (`impact.rs`). Its own speed does not tell: that drifts. Only where a source gives
+    /// no derivative, its speed may have run away from what is stuck to it.
+    fn is_thrown(&self, i: usize, c: &Context, w: &Work) -> bool {
+        let before = &c.d[self.stiction.sources.clone()];
+        let terms = self.sticky(i).1.terms();
+        let (mut jump, mut size, mut guided) = (0.0, 0.0, false);
+        for (k, factor) in terms.iter().map(|(k, factor)| (*k as usize, factor)) {
+            let (from, to) = (before.get(k).map_or(0.0, |from| factor * from), factor * w.s[k]);
+            jump += to - from;
+            size += f64::abs(from) + f64::abs(to);
+            guided |= w.ds[k] != 0.0;
+        }
+        !terms.is_empty() && (!guided || f64::abs(jump) > STANDS * size)
     }
 
     /// The constraint of a part that is stuck.

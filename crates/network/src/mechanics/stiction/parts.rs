@@ -16,6 +16,9 @@ pub(crate) struct Stiction {
     pub(super) modes: Range<usize>,
     /// Where their guards lie.
     pub(super) guards: Range<usize>,
+    /// Where the prescribed speeds and accelerations at the end of the last step lie among the discrete states, if any of them may
+    /// throw what is stuck.
+    pub(crate) sources: Range<usize>,
     /// Frictions, then meshes.
     pub(super) parts: Vec<Place>,
     /// Number of frictions.
@@ -62,7 +65,21 @@ impl Stiction {
             }
         }
         interface.jumps |= !parts.is_empty();
+        let first_source = interface.discrete.len();
+        let reads = |place: &Place| match place {
+            Place::Pin(pin) => !rotation.pins[*pin].prescribed.is_empty(),
+            Place::Gear(gear) => !rotation.gears[*gear].base_prescribed.is_empty(),
+        };
+        if parts.iter().any(reads) {
+            for what in ["speed", "acceleration"] {
+                for k in 0..rotation.sources {
+                    interface.discrete.push(Discrete::new(format!("prescribed.{what}[{k}]"), 0.0));
+                }
+            }
+            interface.accepts = true;
+        }
         Self {
+            sources: first_source..interface.discrete.len(),
             modes: d..d + parts.len(),
             guards: g..g + parts.len(),
             parts,
