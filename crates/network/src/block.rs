@@ -135,7 +135,7 @@ impl Block for Network {
         let here = Context { x: &[], d: &[], ..*c };
         for island in &self.active.valves {
             jumped |= self.take_gates(*island, &Context { x: &*x, ..here }, w, d);
-            jumped |= self.commutate(*island, &here, w, x, d);
+            jumped |= self.commutate((*island, jumped), &here, w, x, d);
         }
         self.keep_guesses(w, d);
         self.after_jump(&here, jumped, w, x, d);

@@ -413,3 +413,33 @@ fn a_belt_whose_speed_jumps_slips_under_what_it_carries() {
         close(run.last("scope.w"), size, 1e-4);
     }
 }
+
+/// Two shafts that turn as one differ by what the iterations of a method leave. That is no slip: the clutch locks once, and
+/// transmits what the load takes.
+#[test]
+fn a_clutch_between_turning_shafts_locks_once() {
+    // In a steady state the damper and the load take 0.001 w + 2 N*m, the motor gives 0.1 (24 - 0.1 w)/0.3.
+    let steady = (0.1 * 24.0 / 0.3 - 2.0) / (0.001 + 0.01 / 0.3);
+    for solver in ALL.iter().filter(|solver| !solver.starts_with("Ode4(")) {
+        let run = run_blocks(
+            "10 s",
+            solver,
+            r#""v": VoltageSource(v: 24), "g": ElectricalReference, "m": DcMotor(r: 0.3, l: 1e-5, k: 0.1, j: 2e-4),
+               "clutch": Clutch(torque: 4, peak: 1.3), "one": Constant(value: 1), "disc": Inertia(j: 0.01),
+               "bearing": RotationalDamper(d: 0.001), "frame": RotationalReference, "load": IdealTorqueSource,
+               "ramp": SignalBuilder(points: [(0, 0), (0.5, 0), (1, -2)]), "wa": MotionSensor, "wb": MotionSensor,
+               "scope": Scope(inputs: ["a", "b", "tau"])"#,
+            r#""v.p <-> m.p", "v.n <-> m.n <-> g.p", "m.r <-> clutch.r <-> wa.r",
+               "clutch.c <-> disc.r <-> bearing.r <-> load.r <-> wb.r",
+               "m.c <-> frame.r <-> bearing.c <-> load.c <-> wa.c <-> wb.c", "one.y -> clutch.normal", "ramp.y -> load.tau",
+               "wa.w -> scope.a", "wb.w -> scope.b", "clutch.tau -> scope.tau""#,
+        );
+        let locks = run.events.iter().filter(|(_, path, what)| path == "clutch" && what == "locks").count();
+        assert_eq!(locks, 1, "{solver}: {:?}", run.events);
+        close(run.last("scope.a"), steady, 3e-6 * steady);
+        close(run.last("scope.b"), steady, 3e-6 * steady);
+        close(run.last("scope.tau"), 2.0 + 0.001 * steady, 1e-4);
+        let locked = run.time.iter().zip(run.column("scope.tau")).filter(|(t, _)| **t > 1.0);
+        assert!(locked.clone().all(|(_, tau)| *tau > 1.5 && *tau < 2.5), "{solver}");
+    }
+}

@@ -22,6 +22,12 @@ use crate::work::Work;
 /// Currents below this, relative to the largest of the circuit, are what the location of an event leaves over.
 pub(crate) const REMAINDER: f64 = 1e-6;
 
+/// Currents without a path, relative to the largest of the circuit, that are rounding just behind an event.
+const STRUCK: f64 = 1e-14;
+
+/// The same where nothing has changed: currents of inductances in series differ by the errors of the method, as all states do.
+const DRIFTED: f64 = 1e-8;
+
 /// Time in which an event cannot be told from another, s, relative to the time of the simulation if that is larger than 1 s.
 const INSTANT: f64 = 1e-9;
 
@@ -41,10 +47,11 @@ pub(crate) enum Wrong {
 }
 
 impl Network {
-    /// Sets the valves of an island right. Returns whether any of them, or a state, changed.
+    /// Sets the valves of an island right; `stirred` where something else has changed at this instant. Returns whether any of
+    /// them, or a state, changed.
     pub(crate) fn commutate(
         &self,
-        island: usize,
+        (island, stirred): (usize, bool),
         c: &Context,
         w: &mut Work,
         x: &mut [f64],
@@ -65,7 +72,8 @@ impl Network {
         let most = 8 * circuit.valves.len() + 8;
         for round in 0..most {
             let here = Context { x: &*x, d: &*d, ..*c };
-            let wrong = match self.contradiction(island, &here, w, late, round > most / 2) {
+            let drift = if stirred || changed { STRUCK } else { DRIFTED };
+            let wrong = match self.contradiction(island, &here, w, (late, drift), round > most / 2) {
                 Ok(wrong) => wrong,
                 Err(_) => return false,
             };
@@ -118,13 +126,13 @@ impl Network {
     }
 
     /// Evaluates an island and finds what is wrong with its valves. `first` takes the first contradiction instead of the
-    /// greatest, so that no cycle can arise.
+    /// greatest, so that no cycle can arise. Currents without a path are those above the part `drift` of all.
     fn contradiction(
         &self,
         island: usize,
         c: &Context,
         w: &mut Work,
-        late: f64,
+        (late, drift): (f64, f64),
         first: bool,
     ) -> Result<Wrong, crate::electrics::currents::Faulty> {
         let conducting = self.conducting(island, c, w);
@@ -155,7 +163,7 @@ impl Network {
         let most_v = self.size(island, w)[0];
         let lost = self.lost(island, w);
         let so_far = self.size_with(island, c.d, w)[1];
-        if lost <= 1e-14 * so_far + NOTHING {
+        if lost <= drift * so_far + NOTHING {
             return Ok(match self.worst(island, c, w, conducting, first) {
                 Wrong::Nothing => self.drifting(island, c, w, conducting)?,
                 wrong => wrong,
