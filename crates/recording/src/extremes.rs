@@ -8,9 +8,9 @@ pub struct Extremes {
     /// Rows of a stretch; 1 keeps all rows.
     stretch: u64,
     rows: u64,
-    /// Least and largest value so far, in the order of their times.
-    low: Option<(f64, f64)>,
-    high: Option<(f64, f64)>,
+    /// Least and largest value so far, each with the number of its row.
+    low: Option<(f64, f64, u64)>,
+    high: Option<(f64, f64, u64)>,
     /// A value that is not finite, for a stretch that has no other.
     odd: Option<(f64, f64)>,
     kept: Column,
@@ -36,11 +36,11 @@ impl Extremes {
             return;
         }
         if y.is_finite() {
-            if self.low.is_none_or(|(_, least)| y < least) {
-                self.low = Some((t, y));
+            if self.low.is_none_or(|(_, least, _)| y < least) {
+                self.low = Some((t, y, self.rows));
             }
-            if self.high.is_none_or(|(_, most)| y > most) {
-                self.high = Some((t, y));
+            if self.high.is_none_or(|(_, most, _)| y > most) {
+                self.high = Some((t, y, self.rows));
             }
         } else {
             self.odd.get_or_insert((t, y));
@@ -57,15 +57,14 @@ impl Extremes {
         self.kept
     }
 
-    /// Ends a stretch: keeps its extremes by time.
+    /// Ends a stretch: keeps its extremes in the order in which they came.
     pub fn close(&mut self) {
         self.rows = 0;
         let odd = self.odd.take();
         match (self.low.take(), self.high.take()) {
-            // Of two extremes at one time the rise is shown.
             (Some(low), Some(high)) if low == high => self.keep(low.0, low.1),
             (Some(low), Some(high)) => {
-                let (first, second) = if high.0 < low.0 { (high, low) } else { (low, high) };
+                let (first, second) = if high.2 < low.2 { (high, low) } else { (low, high) };
                 self.keep(first.0, first.1);
                 self.keep(second.0, second.1);
             }
@@ -99,6 +98,17 @@ mod tests {
         assert!(kept.time.len() <= 500 && kept.time.is_sorted(), "{}", kept.time.len());
         let at = kept.values.iter().position(|&y| y == 7.0).unwrap();
         assert_eq!(kept.time[at], 123.456);
+    }
+
+    #[test]
+    fn a_fall_within_one_time_stays_a_fall() {
+        let mut extremes = Extremes::new(8, 4);
+        let rows =
+            [(0.0, 1.0), (1.0, 1.0), (2.0, 3.0), (2.0, -3.0), (3.0, 0.0), (4.0, 0.0), (4.0, 2.0), (5.0, 2.0)];
+        rows.iter().for_each(|&(t, y)| extremes.push(t, y));
+        let kept = extremes.finish();
+        assert_eq!(kept.time, [2.0, 2.0, 3.0, 4.0]);
+        assert_eq!(kept.values, [3.0, -3.0, 0.0, 2.0]);
     }
 
     #[test]
