@@ -2,6 +2,9 @@
 
 mod alike;
 mod conditional;
+mod conditional_kinds;
+mod merges;
+mod texts;
 
 #[allow(dead_code)]
 #[path = "../../examples/own_controller.rs"]
