@@ -681,3 +681,32 @@ fn a_sampled_angle_goes_on_where_its_scale_begins_again() {
     assert_near(&found, "maximum_error", 300.0 - 7.5, 1e-3);
     assert_near(&found, "final_error", 7.5, 1e-3);
 }
+
+#[test]
+fn numbers_of_a_part_of_the_time_count_what_is_held_at_its_ends() {
+    // A sample of 0.5 s and one a sample later: their difference is 1 from 1 s to 1.5 s.
+    let blocks = r#""w": Step(time: 1), "z": ZeroOrderHold(ts: 0.5), "u": UnitDelay(ts: 0.5)"#;
+    let model = followed(blocks, 5.0, "z.y", "u.y", r#""w.y -> z.u", "z.y -> u.u""#);
+    let desk = Desk::with(&[("m.ron", &model)]);
+    desk.call(&["run", "m.ron", "--out", "r"]);
+    for (from, to, area, maximum, last) in [
+        ("0 s", "5 s", 0.5, 1.0, 0.0),
+        ("1.1 s", "5 s", 0.4, 1.0, 0.0),
+        ("0.3 s", "1.2 s", 0.2, 1.0, 1.0),
+        ("0.6 s", "1.4 s", 0.4, 1.0, 1.0),
+        ("1.2 s", "1.4 s", 0.2, 1.0, 1.0),
+        ("1.5 s", "5 s", 0.0, 0.0, 0.0),
+        ("0.2 s", "0.9 s", 0.0, 0.0, 0.0),
+    ] {
+        let found = numbers(&desk, "r", &["--from", from, "--to", to]);
+        assert_near(&found, "iae", area, 1e-9);
+        assert_near(&found, "maximum_error", maximum, 1e-9);
+        assert_near(&found, "final_error", last, 1e-9);
+    }
+    // What is straight between rows goes on to both ends: the square of a ramp from 0.25 to 0.75.
+    let table = "time [s],a.set [m],a.actual [m]\n0,1,0\n1,1,1\n2,1,1\n";
+    fs::write(desk.0.join("ramp.csv"), table).unwrap();
+    let found = numbers(&desk, "ramp.csv", &["--from", "0.25", "--to", "0.75"]);
+    assert_near(&found, "iae", 0.25, 1e-12);
+    assert_near(&found, "maximum_error", 0.75, 1e-12);
+}
