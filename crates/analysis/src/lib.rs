@@ -6,6 +6,7 @@
 mod align;
 mod bounds;
 mod compare;
+mod cut;
 mod metrics;
 mod series;
 mod smooth;
@@ -15,6 +16,7 @@ mod turns;
 
 pub use align::lag;
 pub use compare::{Comparison, Deviation, Instants, Rule, compare};
+pub use cut::cut;
 pub use metrics::{Metrics, metrics};
 pub use series::{Interpolation, Series};
 pub use smooth::refined;

@@ -111,15 +111,75 @@ const R = {
     return t.toFixed(Math.min(Math.max(digits, 3), 12)).replace('-', '−');
   },
 
-  /** Rows of an angle that jumped by a whole turn to get there. @param {ArrayLike<number>} values @param {number|null} turn @returns {number[]} */
-  jumps(values, turn) {
-    /** @type {number[]} */ const found = [];
-    if (!turn) return found;
-    for (let n = 1; n < values.length; n++) {
-      const step = Math.abs(values[n] - values[n - 1]) / turn;
-      if (step >= 0.75 && step < 1.25) found.push(n);
+  /** Rows of an angle that jumped by a whole turn to get there, because its scale has ends. The rule is that of the tables, in
+   * `turns.rs` of blocksim-analysis: what remains of a jump less the turn is motion like that beside it; a step that is
+   * requested leaves more. @param {ArrayLike<number>} time @param {ArrayLike<number>} values @param {number|null} turn @returns {number[]} */
+  jumps(time, values, turn) {
+    if (!turn) return [];
+    const isLarge = (/** @type {number} */ size) => Math.abs(size) >= 0.75 && Math.abs(size) < 1.25;
+    let some = false;
+    for (let n = 0, before = NaN; n < values.length; n++) {
+      if (!Number.isFinite(values[n])) continue;
+      some ||= isLarge((values[n] - before) / turn);
+      before = values[n];
     }
-    return found;
+    if (!some) return [];
+    // Rows of one value, and the changes from each to the next: how far, how long from row to row, and from beginning to beginning.
+    /** @type {{ value: number, row: number, from: number, to: number }[]} */ const levels = [];
+    for (let row = 0; row < values.length; row++) {
+      const value = values[row] / turn, last = levels[levels.length - 1];
+      if (!Number.isFinite(value)) continue;
+      if (last && last.value === value) last.to = time[row]; else levels.push({ value, row, from: time[row], to: time[row] });
+    }
+    const changes = levels.slice(1).map((b, n) => {
+      const a = levels[n], size = b.value - a.value;
+      return { size, gap: b.from - a.to, hold: b.from - a.from, isLarge: isLarge(size) };
+    });
+    const least = 1e-9 * (levels[levels.length - 1].to - levels[0].from);
+    /** What is beside a change: positions, the nearest first; none where a step is among them. @param {number} at */
+    const beside = (at) => {
+      /** @type {[number[], number[]]} */ const found = [[], []];
+      for (const [side, way] of [[0, -1], [1, 1]]) {
+        for (let n = at + way, seen = 0; n >= 0 && n < changes.length && seen < 8 && found[side].length < 4; n += way, seen++) {
+          if (!changes[n].isLarge) found[side].push(n);
+        }
+      }
+      return found.flat().every((n) => Math.abs(changes[n].size) < 0.25) ? found : null;
+    };
+    const isStair = (/** @type {{ gap: number, hold: number }} */ change) => change.gap < change.hold / 2;
+    const isAlike = (/** @type {number} */ at, /** @type {number[][]} */ near) => {
+      const own = changes[at];
+      let [down, up] = [0, 0];
+      for (const n of near.flat()) {
+        const one = changes[n], row = one.gap > least ? own.gap / one.gap : 0;
+        const far = one.size * Math.max(row, isStair(one) && isStair(own) && one.hold > least ? own.hold / one.hold : 0);
+        [down, up] = [Math.min(down, far), Math.max(up, far)];
+      }
+      return Math.abs(1 - Math.abs(own.size)) <= 1.5 * (up - down) + 1e-6;
+    };
+    const movesOn = (/** @type {number} */ at) => {
+      if (Math.abs(1 - Math.abs(changes[at].size)) <= 1e-3) return true;
+      const near = beside(at);
+      return near !== null && isAlike(at, near);
+    };
+    const goesRound = (/** @type {number} */ at) => {
+      const near = beside(at);
+      if (!near) return false;
+      /** @type {number[]} */ const nearest = near.flatMap((side) => side.slice(0, 1));
+      if (!nearest.length || !nearest.every((n) => changes[n].size * changes[at].size < 0)) return false;
+      const before = near[0].length ? changes[near[0][0]].hold : 0, next = near[1][0];
+      const behind = near[1].length ? (changes[next + 1] ?? changes[next]).hold : 0;
+      const longest = 3 * Math.max(before, behind) + least;
+      return !levels.slice(at, at + 2).some((level) => level.to - level.from > longest) && isAlike(at, near);
+    };
+    /** @type {number[]} */ const found = [];
+    for (const [low, high] of [[-0.5, 0.5], [0, 1]]) {
+      const within = (/** @type {number} */ n) => levels[n].value >= low - 1e-6 && levels[n].value <= high + 1e-6;
+      const all = [...changes.keys()].filter((n) => changes[n].isLarge && within(n) && within(n + 1));
+      // The scale is the same all the time: all of them are jumps, or none is.
+      if (2 * all.filter(low < 0 ? movesOn : goesRound).length >= all.length) found.push(...all.map((n) => levels[n + 1].row));
+    }
+    return found.sort((a, b) => a - b);
   },
 
   /** A number with its unit, with the prefix that reads best: 733 µA for 0.000733 A. Digits that `off`, how far the

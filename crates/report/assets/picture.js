@@ -137,7 +137,7 @@ R.Picture = (() => {
 
   /** Gaps of a line, in dots: where values are missing, and where an angle jumps by a turn. @param {any} panel @param {ArrayLike<number>} values */
   const gaps = (panel, values) => {
-    const jumps = R.jumps(values, panel.turn);
+    const jumps = R.jumps(panel.time, values, panel.turn);
     return (/** @type {any} */ u, /** @type {number} */ _, /** @type {number} */ from, /** @type {number} */ to, /** @type {[number, number][]} */ missing) => {
       const half = 2 * Math.max(devicePixelRatio, 1), at = (/** @type {number} */ n) => u.valToPos(panel.time[n], 'x', true);
       const seen = jumps.filter((n) => n > from && n <= to).map((n) => /** @type {[number, number]} */ ([at(n - 1) - half, at(n) + half]));

@@ -217,10 +217,12 @@
   const errors = (panel) => {
     const [set, actual] = panel.pair.map((/** @type {number} */ at) => panel.series[at]);
     if (!panel.off || panel.off.length < rows) { const wide = new Float64Array(columns[0].length); wide.set(panel.off?.subarray(0, panel.offRows) ?? []); panel.off = wide; }
+    // Where one has jumped by a turn and the other has not, a turn is no error.
+    const folds = Boolean(panel.turn) && [set, actual].some((s) => R.jumps(panel.time, s.values, panel.turn).length > 0);
+    if (folds !== panel.folds) [panel.folds, panel.offRows] = [folds, 0];
     for (let n = panel.offRows ?? 0; n < rows; n++) {
       const x = set.values[n] - actual.values[n];
-      // Where one has jumped by a turn and the other has not, a turn is no error.
-      panel.off[n] = panel.turn ? x - panel.turn * Math.round(x / panel.turn) : x;
+      panel.off[n] = folds ? x - panel.turn * Math.round(x / panel.turn) : x;
     }
     panel.offRows = rows;
     return plain(panel.off.subarray(0, rows), gaps[set.column + 1] || gaps[actual.column + 1]);

@@ -31,7 +31,8 @@ const SPARKS: usize = 40;
 /// for each signal of `more`, which are what other scopes show. An element of a vector comes into question for the plot only
 /// where there is nothing else.
 pub fn tracking(trackings: &[Tracking], more: &[&Shown], time: &[f64], console: Console) -> String {
-    let motion = |tracking: &Tracking| range(&course(tracking.set)).map_or(0.0, |(low, high)| high - low);
+    let motion =
+        |tracking: &Tracking| range(&course(tracking.set, time)).map_or(0.0, |(low, high)| high - low);
     let is_like_first = |tracking: &Tracking| tracking.set.unit.text == trackings[0].set.unit.text;
     let rank =
         |tracking: &Tracking| (is_like_first(tracking), !tracking.set.port().contains('['), motion(tracking));
@@ -167,7 +168,7 @@ fn by_unit(title: &str, shown: &[&Shown], time: &[f64], console: Console) -> Str
 }
 
 fn drawn(title: &str, shown: &[&Shown], names: &[&str], time: &[f64], console: Console) -> String {
-    let lines: Vec<Vec<f64>> = shown.iter().map(|s| course(s)).collect();
+    let lines: Vec<Vec<f64>> = shown.iter().map(|s| course(s, time)).collect();
     let series: Vec<Series> = shown
         .iter()
         .zip(names)
@@ -181,7 +182,7 @@ fn drawn(title: &str, shown: &[&Shown], names: &[&str], time: &[f64], console: C
 
 /// A line for each signal: its course over time and the range of its values. An angle goes on where its scale has an end.
 fn sparks(shown: &[(String, &Shown)], time: &[f64], console: Console) -> String {
-    let courses: Vec<Vec<f64>> = shown.iter().map(|(_, s)| course(s)).collect();
+    let courses: Vec<Vec<f64>> = shown.iter().map(|(_, s)| course(s, time)).collect();
     let size = |course: &Vec<f64>| range(course).map_or(0.0, |(low, high)| low.abs().max(high.abs()));
     // What signals of one unit differ by is rounding, or not, beside the largest of them.
     let floor = |unit: &str| {
@@ -212,9 +213,9 @@ fn sparks(shown: &[(String, &Shown)], time: &[f64], console: Console) -> String 
 }
 
 /// The values of a signal in the unit to show them in; an angle goes on where its scale has an end.
-fn course(s: &Shown) -> Vec<f64> {
+fn course(s: &Shown, time: &[f64]) -> Vec<f64> {
     let values = s.values();
-    turn(&s.unit).and_then(|turn| continued(&values, turn)).unwrap_or(values)
+    turn(&s.unit).and_then(|turn| continued(time, &values, turn)).unwrap_or(values)
 }
 
 /// Least and largest finite value.

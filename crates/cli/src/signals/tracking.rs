@@ -145,7 +145,7 @@ impl Tracking<'_> {
         let unit = &self.set.unit;
         let (mut set, mut actual) = (self.set.values(), self.actual.values());
         if let Some(turn) = turn(unit) {
-            without_jumps(&mut set, &mut actual, turn);
+            without_jumps([time; 2], &mut set, &mut actual, turn);
         }
         let (maximum, at, remaining) = match metrics(time, Some(&set), &actual) {
             Some(numbers) => (numbers.max_error, numbers.max_error_at, numbers.steady_state_error),

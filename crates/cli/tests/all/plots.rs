@@ -608,3 +608,105 @@ fn a_signal_that_follows_nothing_has_the_numbers_of_its_own_way() {
     near("step", 90.0);
     assert!(row["follows"] == false && row["iae"].is_null() && row["final_error"].is_null(), "{row}");
 }
+
+/// A scope of a set and an actual value, in degrees where they are angles.
+fn followed(blocks: &str, stop: f64, set: &str, actual: &str, more: &str) -> String {
+    format!(
+        r#"Diagram(simulation: (stop_time: {stop}), blocks: {{ {blocks}, "q": Scope(inputs: ["set", "actual"]) }},
+            connections: ["{set} -> q.set", "{actual} -> q.actual", {more}])"#
+    )
+}
+
+/// The numbers of the only pair of a run.
+fn numbers(desk: &Desk, run: &str, arguments: &[&str]) -> serde_json::Value {
+    let (code, out, err) = desk.call(&[&["plot", run, "--metrics", "--json"], arguments].concat());
+    assert_eq!(code, 0, "{err}");
+    let mut found: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(found["tracking"].as_array().unwrap().len(), 1, "{out}");
+    found["tracking"][0].take()
+}
+
+fn assert_near(found: &serde_json::Value, key: &str, expected: f64, tolerance: f64) {
+    let value = found[key].as_f64().unwrap();
+    assert!((value - expected).abs() <= tolerance, "{key} is {value}, not {expected}");
+}
+
+#[test]
+fn a_step_over_the_end_of_the_scale_is_as_far_as_it_is_requested() {
+    // A lag of 0.3 s: rise 0.3 ln 9, settling 0.3 ln 50, area of the error 0.3 s times the step.
+    for (before, after) in [(150.0, -150.0), (-160.0, 170.0), (170.0, -170.0)] {
+        let blocks = format!(
+            r#""w": Step(time: 1, before: "{before} deg", after: "{after} deg"), "l": LowPass(tau: 0.3, y0: "{before} deg")"#
+        );
+        let desk = Desk::with(&[("m.ron", &followed(&blocks, 5.0, "w.y", "l.y", r#""w.y -> l.u""#))]);
+        let (_, summary, _) = desk.call(&["run", "m.ron", "--out", "r"]);
+        let step: f64 = after - before;
+        assert!(summary.contains(&format!(" {:.1} ", step.abs())), "{summary}");
+        let found = numbers(&desk, "r", &[]);
+        assert_near(&found, "step", step, 1e-9);
+        assert_near(&found, "rise", 0.3 * 9_f64.ln(), 1e-3);
+        assert_near(&found, "settling", 0.3 * 50_f64.ln(), 1e-3);
+        assert_near(&found, "iae", 0.3 * step.abs(), 0.01);
+        assert_near(&found, "maximum_error", step.abs(), 1e-9);
+        // One and a half tenths of a millionth of the step remain after 13.3 time constants.
+        assert_near(&found, "final_error", 0.0, 1e-3);
+    }
+    // A joint that goes one turn farther is not the same.
+    let desk = Desk::with(&[("a.csv", "time [s],x [deg]\n0,150\n1,150\n1,-150\n2,-150\n")]);
+    fs::write(desk.0.join("b.csv"), "time [s],x [deg]\n0,150\n1,150\n1,210\n2,210\n").unwrap();
+    assert_eq!(desk.call(&["compare", "a.csv", "b.csv", "--abs", "1e-6"]).0, 1);
+}
+
+#[test]
+fn a_sampled_angle_goes_on_where_its_scale_begins_again() {
+    // The sample is up to 1.8 deg behind a saw of 180 deg/s, in the mean half of that.
+    for (lower, upper) in [(0, 360), (-180, 180)] {
+        let blocks = format!(
+            r#""w": Sawtooth(lower: "{lower} deg", upper: "{upper} deg", period: 2), "z": ZeroOrderHold(ts: "10 ms")"#
+        );
+        let desk = Desk::with(&[("m.ron", &followed(&blocks, 5.0, "w.y", "z.y", r#""w.y -> z.u""#))]);
+        desk.call(&["run", "m.ron", "--out", "r"]);
+        let found = numbers(&desk, "r", &[]);
+        assert_near(&found, "step", 900.0, 1e-6);
+        assert_near(&found, "maximum_error", 1.8, 1e-6);
+        assert_near(&found, "final_error", 0.9, 0.02);
+        assert_near(&found, "iae", 4.5, 1e-3);
+    }
+    // A saw of 300 deg is none of the scale: behind each of its jumps a lag of 50 ms has to go back. The error is 150 deg/s times
+    // 50 ms, less what comes of the jumps.
+    let blocks = r#""w": Sawtooth(lower: "0 deg", upper: "300 deg", period: 2), "l": LowPass(tau: "50 ms")"#;
+    let desk = Desk::with(&[("m.ron", &followed(blocks, 5.0, "w.y", "l.y", r#""w.y -> l.u""#))]);
+    desk.call(&["run", "m.ron", "--out", "r"]);
+    let found = numbers(&desk, "r", &[]);
+    assert_near(&found, "maximum_error", 300.0 - 7.5, 1e-3);
+    assert_near(&found, "final_error", 7.5, 1e-3);
+}
+
+#[test]
+fn numbers_of_a_part_of_the_time_count_what_is_held_at_its_ends() {
+    // A sample of 0.5 s and one a sample later: their difference is 1 from 1 s to 1.5 s.
+    let blocks = r#""w": Step(time: 1), "z": ZeroOrderHold(ts: 0.5), "u": UnitDelay(ts: 0.5)"#;
+    let model = followed(blocks, 5.0, "z.y", "u.y", r#""w.y -> z.u", "z.y -> u.u""#);
+    let desk = Desk::with(&[("m.ron", &model)]);
+    desk.call(&["run", "m.ron", "--out", "r"]);
+    for (from, to, area, maximum, last) in [
+        ("0 s", "5 s", 0.5, 1.0, 0.0),
+        ("1.1 s", "5 s", 0.4, 1.0, 0.0),
+        ("0.3 s", "1.2 s", 0.2, 1.0, 1.0),
+        ("0.6 s", "1.4 s", 0.4, 1.0, 1.0),
+        ("1.2 s", "1.4 s", 0.2, 1.0, 1.0),
+        ("1.5 s", "5 s", 0.0, 0.0, 0.0),
+        ("0.2 s", "0.9 s", 0.0, 0.0, 0.0),
+    ] {
+        let found = numbers(&desk, "r", &["--from", from, "--to", to]);
+        assert_near(&found, "iae", area, 1e-9);
+        assert_near(&found, "maximum_error", maximum, 1e-9);
+        assert_near(&found, "final_error", last, 1e-9);
+    }
+    // What is straight between rows goes on to both ends: the square of a ramp from 0.25 to 0.75.
+    let table = "time [s],a.set [m],a.actual [m]\n0,1,0\n1,1,1\n2,1,1\n";
+    fs::write(desk.0.join("ramp.csv"), table).unwrap();
+    let found = numbers(&desk, "ramp.csv", &["--from", "0.25", "--to", "0.75"]);
+    assert_near(&found, "iae", 0.25, 1e-12);
+    assert_near(&found, "maximum_error", 0.75, 1e-12);
+}

@@ -15,6 +15,9 @@ const MOST_ROWS: u64 = 1 << 27;
 /// Rows of a table in memory that are handed on at a time.
 const BLOCK: usize = 1 << 16;
 
+/// Rows of a table in memory before and behind a range that [`Run::around`] adds: as many as a curve needs.
+const AROUND: usize = 8;
+
 impl Run {
     /// A signal within a range of time, bounds included, with both values of its jumps. Reads nothing else.
     ///
@@ -148,6 +151,29 @@ impl Run {
                 Ok(())
             }
         }
+    }
+
+    /// A range of time widened so that a signal has rows before its beginning and behind its end, if there are any.
+    ///
+    /// # Errors
+    /// [`ResultsError::NoSignal`] if there is no such signal.
+    pub fn around(
+        &self,
+        signal: usize,
+        range: &RangeInclusive<f64>,
+    ) -> Result<RangeInclusive<f64>, ResultsError> {
+        let base = self.base_of(signal)?;
+        Ok(match &self.source {
+            Source::Store(store) => store.around(base, range),
+            Source::Table { recording, .. } => {
+                let time = &recording.time;
+                let from = time.partition_point(|t| t < range.start()).saturating_sub(AROUND);
+                let to = time.partition_point(|t| t <= range.end()) + AROUND - 1;
+                let from = time.get(from).map_or(*range.start(), |t| t.min(*range.start()));
+                let to = time.get(to).or(time.last()).map_or(*range.end(), |t| t.max(*range.end()));
+                from..=to
+            }
+        })
     }
 
     fn base_of(&self, signal: usize) -> Result<usize, ResultsError> {

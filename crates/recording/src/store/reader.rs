@@ -139,6 +139,17 @@ impl Store {
         self.touched(base, range).map(|place| u64::from(place.rows)).sum()
     }
 
+    /// A range of time widened so that it has rows before its beginning and behind its end, if there are any.
+    pub fn around(&self, base: usize, range: &RangeInclusive<f64>) -> RangeInclusive<f64> {
+        let chunks = self.chunks.get(base).map_or(&[][..], Vec::as_slice);
+        let before = chunks.iter().rposition(|place| place.first < *range.start());
+        let behind = chunks.iter().position(|place| place.last > *range.end());
+        // Of the next chunk there may be one row alone; a curve needs more.
+        let from = before.and_then(|at| chunks.get(at.saturating_sub(1)));
+        let to = behind.and_then(|at| chunks.get(at + 1).or(chunks.get(at)));
+        from.map_or(*range.start(), |place| place.first)..=to.map_or(*range.end(), |place| place.last)
+    }
+
     fn touched<'a>(
         &'a self,
         base: usize,

@@ -248,3 +248,25 @@ fn a_table_is_a_run_as_well() {
     let alone = Run::open(&scratch.0.join("signals.csv")).unwrap();
     assert_eq!((alone.name().as_str(), alone.events().unwrap().len()), ("signals", 0));
 }
+
+#[test]
+fn a_range_is_widened_to_rows_on_both_sides() {
+    let scratch = Scratch::new();
+    let store = opened(&scratch, &bytes()).unwrap();
+    let recording = Recording { time: (0..1000).map(|k| f64::from(k) * 0.01).collect(), signals: Vec::new() };
+    let signal = Signal { values: vec![0.0; 1000], ..Signal::new("x", "1", Kind::Real) };
+    let table = Run::of_recording(Recording { signals: vec![signal], ..recording }, &scratch.0);
+    // Within a chunk, at its ends, in the one of a single row, between two rows, and all.
+    for (from, to) in
+        [(1.005, 1.2), (0.0, 3.99), (4.0, 4.0), (3.995, 4.002), (4.012, 4.018), (9.98, 9.99), (-1.0, 11.0)]
+    {
+        for wide in [store.around(0, &(from..=to)), table.around(0, &(from..=to)).unwrap()] {
+            assert!(*wide.start() < from || from <= 0.0, "{wide:?} of {from} to {to}");
+            assert!(*wide.end() > to || to >= 9.99, "{wide:?} of {from} to {to}");
+            assert!(*wide.start() <= from && *wide.end() >= to, "{wide:?} of {from} to {to}");
+        }
+    }
+    assert_eq!(store.around(0, &ALWAYS), ALWAYS);
+    assert_eq!(table.around(0, &ALWAYS).unwrap(), ALWAYS);
+    assert!(table.around(7, &ALWAYS).is_err());
+}

@@ -142,7 +142,7 @@ pub fn with_breaks<'c>(column: &'c Column, unit: &str) -> Cow<'c, Column> {
 /// A signal that goes on where an angle in `unit` jumps by a whole turn, for a picture too coarse to show a gap.
 pub fn going_on<'c>(column: &'c Column, unit: &str) -> Cow<'c, Column> {
     let turn = Unit::parse(unit).ok().and_then(|unit| turn(&unit));
-    match turn.and_then(|turn| continued(&column.values, turn)) {
+    match turn.and_then(|turn| continued(&column.time, &column.values, turn)) {
         Some(values) => Cow::Owned(Column { time: column.time.clone(), values }),
         None => Cow::Borrowed(column),
     }
@@ -153,7 +153,7 @@ pub fn going_on<'c>(column: &'c Column, unit: &str) -> Cow<'c, Column> {
 pub fn followed(set: &Column, actual: &Column, unit: &str) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let (mut wanted, mut there) = (set.values.clone(), actual.values.clone());
     if let Some(turn) = Unit::parse(unit).ok().and_then(|unit| turn(&unit)) {
-        without_jumps(&mut wanted, &mut there, turn);
+        without_jumps([&set.time, &actual.time], &mut wanted, &mut there, turn);
     }
     together(Series::new(&set.time, &wanted), Series::new(&actual.time, &there))
 }

@@ -160,7 +160,8 @@ fn panels(drawn: &Drawn, book: &Book, titles: &Titles) -> Vec<Panel> {
     }
     let turn = Unit::parse(&group.unit).ok().and_then(|unit| turn(&unit));
     for panel in &mut panels {
-        let jump = |turn: &f64| panel.series.iter().any(|series| !jumps(&series.values, *turn).is_empty());
+        let has_jumped = |series: &Series, turn: f64| !jumps(&panel.time, &series.values, turn).is_empty();
+        let jump = |turn: &f64| panel.series.iter().any(|series| has_jumped(series, *turn));
         panel.turn = turn.filter(jump);
     }
     panels

@@ -141,7 +141,7 @@ fn numbers(signals: &[Shown], time: &[f64], wanted: &[Wanted]) -> Vec<Measured> 
             let values = |shown: &Shown| shown.si.iter().map(|&x| unit.from_si(x)).collect::<Vec<_>>();
             let (mut wanted, mut there) = (values(pair.set), values(pair.actual));
             if let Some(turn) = turn(unit) {
-                without_jumps(&mut wanted, &mut there, turn);
+                without_jumps([time; 2], &mut wanted, &mut there, turn);
             }
             let numbers = metrics(time, Some(&wanted), &there);
             let (value, unit) = of_tracking(metric, numbers, &unit.to_string());

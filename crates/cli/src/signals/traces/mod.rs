@@ -8,6 +8,7 @@ pub use mapping::{Mapping, mappings};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
+use blocksim_analysis::{Interpolation, cut};
 use blocksim_recording::{Column, Kind, Run, SignalInfo};
 use blocksim_signal::Unit;
 
@@ -169,19 +170,28 @@ impl Book {
         self.traces.iter().position(|trace| trace.path == path)
     }
 
-    /// A signal in SI.
+    /// A signal in SI, with the values at both ends of the range of time.
     ///
     /// # Errors
     /// Why it cannot be read.
     pub fn read(&self, trace: usize, range: &RangeInclusive<f64>) -> Result<Column, Failure> {
-        match &self.source {
-            Source::Run(run) => run.read(trace, range).map_err(|error| Failure::of_run(&error)),
-            Source::Table(table) => table.column(trace, range),
+        let column = match &self.source {
+            Source::Run(run) => run
+                .around(trace, range)
+                .and_then(|wide| run.read(trace, &wide))
+                .map_err(|error| Failure::of_run(&error))?,
+            Source::Table(table) => table.column(trace)?,
+        };
+        if is_within(&column.time, range) {
+            return Ok(column);
         }
+        let (time, mut values) =
+            cut(&column.time, &[(&column.values, between(self.traces[trace].kind))], range);
+        Ok(Column { time, values: values.pop().unwrap_or_default() })
     }
 
     /// Signals in SI, those of one time base on common times: where one of them is held, all have a row on both sides of
-    /// its jumps.
+    /// its jumps. They have their values at both ends of the range of time.
     ///
     /// # Errors
     /// Why it cannot be read.
@@ -194,9 +204,20 @@ impl Book {
             let places: Vec<usize> =
                 (0..traces.len()).filter(|&at| run.signals()[traces[at]].base == base).collect();
             let signals: Vec<usize> = places.iter().map(|&at| traces[at]).collect();
-            let read = run.read_together(&signals, range).map_err(|error| Failure::of_run(&error))?;
-            for (at, signal) in places.into_iter().zip(read.signals) {
-                columns[at] = Column { time: read.time.clone(), values: signal.values };
+            let Some(&first) = signals.first() else { continue };
+            let read = run.around(first, range).and_then(|wide| run.read_together(&signals, &wide));
+            let read = read.map_err(|error| Failure::of_run(&error))?;
+            if is_within(&read.time, range) {
+                for (at, signal) in places.into_iter().zip(read.signals) {
+                    columns[at] = Column { time: read.time.clone(), values: signal.values };
+                }
+                continue;
+            }
+            let all: Vec<(&[f64], Interpolation)> =
+                read.signals.iter().map(|signal| (&signal.values[..], between(signal.kind))).collect();
+            let (time, all) = cut(&read.time, &all, range);
+            for (at, values) in places.into_iter().zip(all) {
+                columns[at] = Column { time: time.clone(), values };
             }
         }
         Ok(columns)
@@ -249,6 +270,17 @@ impl Book {
             }
         }
     }
+}
+
+/// What a signal is between its rows. What is held has both values at each jump.
+fn between(kind: Kind) -> Interpolation {
+    if kind == Kind::Real { Interpolation::Smooth } else { Interpolation::Hold }
+}
+
+/// Whether nothing is beyond a range of time.
+fn is_within(time: &[f64], range: &RangeInclusive<f64>) -> bool {
+    time.first().is_none_or(|first| first >= range.start())
+        && time.last().is_none_or(|last| last <= range.end())
 }
 
 /// Tells a mapping of a column that no table has.

@@ -1,6 +1,5 @@
 //! A foreign table as signals in SI.
 
-use std::ops::RangeInclusive;
 use std::path::Path;
 
 use blocksim_recording::{Column, Kind, read_foreign_file};
@@ -97,17 +96,15 @@ impl Table {
         self.troubles[at].is_none()
     }
 
-    /// A column within a range of time.
+    /// A column.
     ///
     /// # Errors
     /// If its unit is not known.
-    pub fn column(&self, at: usize, range: &RangeInclusive<f64>) -> Result<Column, Failure> {
+    pub fn column(&self, at: usize) -> Result<Column, Failure> {
         if let Some(trouble) = &self.troubles[at] {
             return Err(trouble.failure());
         }
-        let from = self.time.partition_point(|t| t < range.start());
-        let to = self.time.partition_point(|t| t <= range.end()).max(from);
-        Ok(Column { time: self.time[from..to].to_vec(), values: self.values[at][from..to].to_vec() })
+        Ok(Column { time: self.time.clone(), values: self.values[at].clone() })
     }
 }
 
