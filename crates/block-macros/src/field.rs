@@ -31,6 +31,7 @@ pub struct One {
     pub unit: String,
     pub default: Option<Expr>,
     pub requires: Requirements,
+    pub is_difference: bool,
 }
 
 pub fn fields_of(input: &DeriveInput) -> Result<Vec<Parameter>> {
@@ -90,8 +91,12 @@ impl One {
             self.unit = meta.value()?.parse::<LitStr>()?.value();
         } else if meta.path.is_ident("default") {
             self.default = Some(meta.value()?.parse()?);
+        } else if meta.path.is_ident("difference") {
+            self.is_difference = true;
         } else if !self.requires.read(meta)? {
-            return Err(meta.error("expected `unit`, `default`, `group`, `skip`, or what the value must be"));
+            return Err(meta.error(
+                "expected `unit`, `default`, `difference`, `group`, `skip`, or what the value must be",
+            ));
         }
         Ok(())
     }

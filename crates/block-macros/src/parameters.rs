@@ -100,6 +100,7 @@ impl Parts {
     fn one(&mut self, Parameter { ident: field, ty, doc, .. }: &Parameter, one: &One, inspected: bool) {
         let (name, rust_type, unit) = (field.to_string(), type_text(ty), &one.unit);
         let (requires, option) = (one.requires.tokens(), quote!(::std::option::Option));
+        let is_difference = one.is_difference;
         let default = match &one.default {
             Some(default) => {
                 let text = quote!(#default).to_string().replace(' ', "");
@@ -115,6 +116,7 @@ impl Parts {
                 default: #default,
                 doc: #doc,
                 requires: #requires,
+                is_difference: #is_difference,
             }]
         });
         self.places.push(quote!(pub #field: #option<#ty>));

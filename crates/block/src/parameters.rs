@@ -23,6 +23,8 @@ pub struct ParameterInfo {
     pub doc: &'static str,
     /// What its value must be.
     pub requires: Requirements,
+    /// Whether it is a difference or a factor, to which no scale with a zero of its own applies: 3 K and not 3 degC.
+    pub is_difference: bool,
 }
 
 impl ParameterInfo {
@@ -34,6 +36,7 @@ impl ParameterInfo {
         default: None,
         doc: "",
         requires: Requirements::NONE,
+        is_difference: false,
     };
 }
 

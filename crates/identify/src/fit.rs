@@ -79,86 +79,151 @@ pub fn fit<M: Model>(
     most: usize,
     model: &mut M,
 ) -> Result<Fitted, Stopped<M::Error>> {
-    let (rows, unknowns) = (values.len(), start.len());
-    if rows < unknowns || unknowns == 0 {
-        return Err(Stopped::Numbers(IdentifyError::TooFew { values: rows, unknowns }));
+    let mut search = Search::begin(values, start, model)?;
+    search.go_on(values, weights, most, model)?;
+    search.found(values, weights).map_err(Stopped::Numbers)
+}
+
+/// How far a search has come.
+pub(crate) struct Search {
+    x: Vec<f64>,
+    /// Values of the model there.
+    pub y: Vec<f64>,
+    /// Slopes there, as far as they are known.
+    pub slopes: DMatrix<f64>,
+    has_slopes: bool,
+    before: Vec<f64>,
+    steps: usize,
+    at_edge: bool,
+}
+
+/// Values less those of the model, with their weights.
+fn rest(values: &[f64], y: &[f64], weights: &[f64]) -> Vec<f64> {
+    values.iter().zip(y).zip(weights).map(|((value, y), weight)| weight * (value - y)).collect()
+}
+
+fn squares(rest: &[f64]) -> f64 {
+    rest.iter().map(|x| x * x).sum()
+}
+
+impl Search {
+    /// Looks at the model at the start.
+    pub fn begin<M: Model>(
+        values: &[f64],
+        start: &[f64],
+        model: &mut M,
+    ) -> Result<Search, Stopped<M::Error>> {
+        let (rows, unknowns) = (values.len(), start.len());
+        if rows < unknowns || unknowns == 0 {
+            return Err(Stopped::Numbers(IdentifyError::TooFew { values: rows, unknowns }));
+        }
+        finite("value", values).map_err(Stopped::Numbers)?;
+        let before = model.values(start).map_err(Stopped::Model)?.ok_or(Stopped::NoStart)?;
+        finite("value", &before).map_err(Stopped::Numbers)?;
+        Ok(Search {
+            x: start.to_vec(),
+            y: before.clone(),
+            slopes: DMatrix::zeros(0, 0),
+            has_slopes: false,
+            before,
+            steps: 0,
+            at_edge: false,
+        })
     }
-    finite("value", values).map_err(Stopped::Numbers)?;
-    let rest = |y: &[f64]| -> Vec<f64> {
-        values.iter().zip(y).zip(weights).map(|((value, y), weight)| weight * (value - y)).collect()
-    };
-    let squares = |rest: &[f64]| rest.iter().map(|x| x * x).sum::<f64>();
-    let mut x = start.to_vec();
-    let before = model.values(&x).map_err(Stopped::Model)?.ok_or(Stopped::NoStart)?;
-    finite("value", &before).map_err(Stopped::Numbers)?;
-    let mut y = before.clone();
-    let (mut damping, mut growth) = (1e-3, 2.0);
-    let mut steps = 0;
-    let mut at_edge;
-    let slopes = loop {
-        let slopes = model.slopes(&x).map_err(Stopped::Model)?;
-        let misfit = rest(&y);
-        let mut weighted = slopes.clone();
-        weighted.row_iter_mut().zip(weights).for_each(|(mut row, weight)| row *= *weight);
-        let gradient = weighted.tr_mul(&nalgebra::DVector::from_column_slice(&misfit));
-        let normal = weighted.tr_mul(&weighted);
-        let (mut is_better, mut is_settled) = (false, false);
-        at_edge = false;
-        while !is_better && !is_settled {
-            let mut damped = normal.clone();
-            for j in 0..unknowns {
-                damped[(j, j)] += damping * normal[(j, j)].max(f64::MIN_POSITIVE);
+
+    /// Searches from where it is to the least sum of squares with these weights; `most` counts the steps of all searches.
+    pub fn go_on<M: Model>(
+        &mut self,
+        values: &[f64],
+        weights: &[f64],
+        most: usize,
+        model: &mut M,
+    ) -> Result<(), Stopped<M::Error>> {
+        let unknowns = self.x.len();
+        let (mut damping, mut growth) = (1e-3, 2.0);
+        loop {
+            if !self.has_slopes {
+                self.slopes = model.slopes(&self.x).map_err(Stopped::Model)?;
+                self.has_slopes = true;
             }
-            let change = damped.cholesky().map(|factor| factor.solve(&gradient));
-            let tried = match &change {
-                Some(change) => {
-                    let next: Vec<f64> = x.iter().zip(change.iter()).map(|(x, change)| x + change).collect();
-                    let next_y = model.values(&next).map_err(Stopped::Model)?;
-                    at_edge |= next_y.is_none();
-                    next_y.filter(|y| y.iter().all(|y| y.is_finite())).map(|y| (next, y, change))
+            let misfit = rest(values, &self.y, weights);
+            let mut weighted = self.slopes.clone();
+            weighted.row_iter_mut().zip(weights).for_each(|(mut row, weight)| row *= *weight);
+            let gradient = weighted.tr_mul(&nalgebra::DVector::from_column_slice(&misfit));
+            let normal = weighted.tr_mul(&weighted);
+            let (mut is_better, mut is_settled) = (false, false);
+            self.at_edge = false;
+            while !is_better && !is_settled {
+                let mut damped = normal.clone();
+                for j in 0..unknowns {
+                    damped[(j, j)] += damping * normal[(j, j)].max(f64::MIN_POSITIVE);
                 }
-                None => None,
-            };
-            let now = squares(&misfit);
-            match tried.map(|(next, next_y, change)| (squares(&rest(&next_y)), next, next_y, change)) {
-                Some((after, next, next_y, change)) if after < now => {
-                    let expected: f64 = (0..unknowns)
-                        .map(|j| change[j] * (damping * normal[(j, j)] * change[j] + gradient[j]))
-                        .sum();
-                    let is_small =
-                        x.iter().zip(change.iter()).all(|(x, change)| change.abs() <= SETTLED * x.abs());
-                    is_settled = is_small || now - after <= NOTHING_TO_GAIN * now;
-                    let gain = (now - after) / expected.max(f64::MIN_POSITIVE);
-                    damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
-                    (x, y, growth, is_better) = (next, next_y, 2.0, true);
-                    steps += 1;
-                }
-                _ => {
-                    let is_small = change.is_some_and(|change| {
-                        x.iter().zip(change.iter()).all(|(x, change)| change.abs() <= SETTLED * x.abs())
-                    });
-                    is_settled = is_small || damping > MOST_DAMPING;
-                    (damping, growth) = (damping * growth, 2.0 * growth);
+                let change = damped.cholesky().map(|factor| factor.solve(&gradient));
+                let tried = match &change {
+                    Some(change) => {
+                        let next: Vec<f64> =
+                            self.x.iter().zip(change.iter()).map(|(x, change)| x + change).collect();
+                        let next_y = model.values(&next).map_err(Stopped::Model)?;
+                        self.at_edge |= next_y.is_none();
+                        next_y.filter(|y| y.iter().all(|y| y.is_finite())).map(|y| (next, y, change))
+                    }
+                    None => None,
+                };
+                let now = squares(&misfit);
+                match tried.map(|(next, next_y, change)| {
+                    (squares(&rest(values, &next_y, weights)), next, next_y, change)
+                }) {
+                    Some((after, next, next_y, change)) if after < now => {
+                        let expected: f64 = (0..unknowns)
+                            .map(|j| change[j] * (damping * normal[(j, j)] * change[j] + gradient[j]))
+                            .sum();
+                        is_settled = self.is_small(change) || now - after <= NOTHING_TO_GAIN * now;
+                        let gain = (now - after) / expected.max(f64::MIN_POSITIVE);
+                        damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+                        (self.x, self.y, self.has_slopes) = (next, next_y, false);
+                        (growth, is_better) = (2.0, true);
+                        self.steps += 1;
+                    }
+                    _ => {
+                        is_settled =
+                            change.is_some_and(|change| self.is_small(&change)) || damping > MOST_DAMPING;
+                        (damping, growth) = (damping * growth, 2.0 * growth);
+                    }
                 }
             }
+            if is_settled {
+                break;
+            }
+            if self.steps >= most {
+                return Err(Stopped::Numbers(IdentifyError::NotSettled { steps: most }));
+            }
         }
-        if is_settled {
-            break if is_better { model.slopes(&x).map_err(Stopped::Model)? } else { slopes };
+        if !self.has_slopes {
+            self.slopes = model.slopes(&self.x).map_err(Stopped::Model)?;
+            self.has_slopes = true;
         }
-        if steps >= most {
-            return Err(Stopped::Numbers(IdentifyError::NotSettled { steps: most }));
-        }
-    };
-    let left: Vec<f64> = values.iter().zip(&y).map(|(value, y)| value - y).collect();
-    // The linear fit of what is left gives the accuracy; its values are the change of one more step.
-    let mut fit = least_squares(&slopes, &left, weights).map_err(Stopped::Numbers)?;
-    fit.estimates.iter_mut().zip(&x).for_each(|(estimate, x)| estimate.value = *x);
-    let (now, promised) = (squares(&rest(&y)), fit.residual.powi(2) * fit.freedom as f64);
-    // What is left of an exact fit is rounding, of which slopes may promise anything.
-    let is_rounding = now <= ROUNDING * squares(&rest(&vec![0.0; rows]));
-    let stalled = !at_edge && !is_rounding && fit.freedom > 0 && now - promised > PROMISED * now;
-    let correlations = correlations(&slopes, weights);
-    Ok(Fitted { fit, values: y, before, steps, at_edge, stalled, correlations })
+        Ok(())
+    }
+
+    fn is_small(&self, change: &nalgebra::DVector<f64>) -> bool {
+        self.x.iter().zip(change.iter()).all(|(x, change)| change.abs() <= SETTLED * x.abs())
+    }
+
+    /// What was found with the weights of the last search.
+    pub fn found(self, values: &[f64], weights: &[f64]) -> Result<Fitted, IdentifyError> {
+        let left: Vec<f64> = values.iter().zip(&self.y).map(|(value, y)| value - y).collect();
+        // The linear fit of what is left gives the accuracy; its values are the change of one more step.
+        let mut fit = least_squares(&self.slopes, &left, weights)?;
+        fit.estimates.iter_mut().zip(&self.x).for_each(|(estimate, x)| estimate.value = *x);
+        let now = squares(&rest(values, &self.y, weights));
+        let promised = fit.residual.powi(2) * fit.freedom as f64;
+        // What is left of an exact fit is rounding, of which slopes may promise anything.
+        let is_rounding = now <= ROUNDING * squares(&rest(values, &vec![0.0; values.len()], weights));
+        let stalled = !self.at_edge && !is_rounding && fit.freedom > 0 && now - promised > PROMISED * now;
+        let correlations = correlations(&self.slopes, weights);
+        let Search { y, before, steps, at_edge, .. } = self;
+        Ok(Fitted { fit, values: y, before, steps, at_edge, stalled, correlations })
+    }
 }
 
 /// A formula for values and slopes.

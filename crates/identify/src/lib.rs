@@ -6,6 +6,7 @@
 //! | Coulomb and viscous friction from two or many speeds | [`two_point`], [`line()`] |
 //! | breakaway, Coulomb and viscous friction through gear and motor | [`curve`] |
 //! | unknowns of a model of which each look costs a run | [`fit()`] |
+//! | the same from several signals, each with its own noise | [`fit_signals`] |
 //! | which combinations of masses and inertias decide the torques | [`BaseParameters`] |
 //! | a motion that shows them well | [`excitation`] |
 //! | their values from torques along a motion | [`identify`], [`prediction_error`] |
@@ -24,6 +25,7 @@ mod friction;
 mod least_squares;
 mod random;
 mod recording;
+mod signals;
 mod smooth;
 mod student;
 
@@ -37,5 +39,6 @@ pub use friction::{Curve, CurveFit, Line, Point, Train, TwoPoint, curve, line, t
 pub use least_squares::{Estimate, Fit, least_squares};
 pub use random::Random;
 pub use recording::{Recording, Treated};
+pub use signals::{Signal, fit_signals};
 pub use smooth::{derivative, low_pass, on_grid};
 pub use student::interval_95;

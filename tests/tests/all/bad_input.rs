@@ -627,3 +627,124 @@ fn a_missing_file_is_looked_for_where_its_path_begins() {
         "{in_set}"
     );
 }
+
+/// Blocks whose parameters are differences or factors, with one in degC in the place of `@`.
+const DIFFERENCES: [(&str, &str); 22] = [
+    ("amplitude", r#"Sine(amplitude: @, frequency: "1 Hz", bias: "20 degC")"#),
+    ("amplitude", r#"Chirp(amplitude: @, bias: "20 degC")"#),
+    ("amplitude", r#"Prbs(amplitude: @, bias: "20 degC")"#),
+    ("amplitude", r#"Pulse(amplitude: @, period: "1 s")"#),
+    ("std", r#"Noise(std: @, mean: "20 degC", ts: "1 s")"#),
+    ("slope", "Ramp(slope: @)"),
+    ("width", r#"Backlash(width: @, y0: "20 degC")"#),
+    ("interval", "Quantizer(interval: @)"),
+    ("rising", "RateLimiter(rising: @, falling: -1)"),
+    ("falling", "RateLimiter(rising: 1, falling: @)"),
+    ("hysteresis", "DirectionReverser(hysteresis: @)"),
+    ("amplitude", "StepperDriver(amplitude: @)"),
+    ("k", "Gain(k: @)"),
+    ("k", r#"Gain(k: ["1 K", @])"#),
+    ("k", "TransferFunction(num: [1], den: [1, 1], k: @)"),
+    ("kp", "Pid(kp: @, ki: 0)"),
+    ("kp", r#"DiscretePid(kp: @, ts: "1 s")"#),
+    ("gain", r#"DiscreteIntegrator(gain: @, ts: "1 s")"#),
+    ("gain", r#"DiscreteDerivative(gain: @, ts: "1 s")"#),
+    ("k", r#"DiscreteTransferFunction(num: [1], den: [1, 1], k: @, ts: "1 s")"#),
+    ("c", "StateSpace(a: [[-1]], b: [[1]], c: [[@]])"),
+    ("c", r#"DiscreteStateSpace(a: [[0]], b: [[1]], c: [[@]], ts: "1 s")"#),
+];
+
+#[test]
+fn a_difference_is_not_given_in_a_unit_with_a_zero_of_its_own() {
+    for (name, block) in DIFFERENCES {
+        let problems = |value: &str| {
+            let block = block.replace('@', value);
+            compile_text(&format!("Diagram(blocks: {{ \"b\": {block} }}, connections: [])")).1
+        };
+        let refused = format!("error[unit_mismatch]: `{name}` is a difference or a factor, but");
+        for value in [r#""-0.5 degC""#, r#""3 °C""#] {
+            let found = problems(value);
+            assert!(
+                found.contains(&refused) && found.contains("help: write "),
+                "{block} with {value}: {found}"
+            );
+        }
+        for value in [r#""0.5 K""#, r#""500 mK""#, "0.5"] {
+            let found = problems(value);
+            assert!(!found.contains("is a difference"), "{block} with {value}: {found}");
+        }
+    }
+    // Values of a scale keep it.
+    for block in [
+        r#"Step(before: "20 degC", after: "25 degC")"#,
+        r#"Sawtooth(lower: "20 degC", upper: "25 degC", period: "1 s")"#,
+        r#"Constant(value: "20 degC")"#,
+        r#"Saturation(lower: "20 degC", upper: "25 degC")"#,
+        r#"Relay(on_at: "21 degC", off_at: "19 degC")"#,
+        r#"DeadZone(start: "20 degC", end: "25 degC")"#,
+        r#"LowPass(tau: "1 s", y0: "20 degC")"#,
+        r#"LookupTable1D(breakpoints: ["20 degC", "25 degC"], table: [1, 2])"#,
+    ] {
+        let found = compile_text(&format!("Diagram(blocks: {{ \"b\": {block} }}, connections: [])")).1;
+        assert!(!found.contains("unit_mismatch"), "{block}: {found}");
+    }
+}
+
+#[test]
+fn a_difference_that_is_named_is_looked_up_where_it_is_written() {
+    let model = |value: &str| {
+        format!(
+            r#"Diagram(
+  parameters: {{
+    "amp": "3 degC", "alias": "amp", "data": (a: "1 degC", b: "2 K"), "two": ["1 K", "2 degC"],
+    "hot": "30 degC", "cold": "20 degC",
+  }},
+  simulation: (stop_time: "1 s", atol: {{ "lag": "0.01 K" }}),
+  blocks: {{
+    "w": Sine(amplitude: {value}, frequency: "1 Hz", bias: "20 degC"), "lag": LowPass(tau: "1 s", y0: "20 degC"),
+    "s": Scope,
+  }},
+  connections: ["w.y -> lag.u", "lag.y -> s.u"],
+)"#
+        )
+    };
+    let is_refused = |value: &str, set: &[&str]| {
+        let desk = Desk::new().with("model.ron", &model(value));
+        compile_with(&desk, Path::new("model.ron"), set)
+            .1
+            .contains("error[unit_mismatch]: `amplitude` is a difference")
+    };
+    for value in
+        [r#""amp""#, r#""alias""#, r#""data.a""#, r#""two[1]""#, r#"(value: "3 degC", note: "measured")"#]
+    {
+        assert!(is_refused(value, &[]), "{value}");
+    }
+    // The difference of two temperatures is one.
+    for value in [r#""data.b""#, r#""two[0]""#, r#""hot - cold""#, r#""2 * (hot - cold)""#] {
+        assert!(!is_refused(value, &[]), "{value}");
+    }
+    // What the command line sets holds.
+    for (value, set, refused) in [
+        (r#""amp""#, "amp=3 K", false),
+        (r#""alias""#, "amp=3 K", false),
+        (r#""data.b""#, "amp=3 degC", false),
+        (r#""data.b""#, "data.b=3 degC", true),
+        (r#""data.a""#, "data.a=3 K", false),
+        (r#""two[0]""#, "two[0]=3 degC", true),
+        (r#""3 K""#, "w.amplitude=3 degC", true),
+        (r#""amp""#, "w.amplitude=3 K", false),
+    ] {
+        assert_eq!(is_refused(value, &[set]), refused, "{value} with {set}");
+    }
+    check_text(
+        &model("\"amp\"").replace("0.01 K", "0.01 degC"),
+        &expect![[r#"
+            error[unit_mismatch]: `atol` is a difference or a factor, but degC counts from 273.15 K
+              model.ron:6:40 `{ "lag": "0.01 degC" }` should be in K
+              help: write K
+            error[unit_mismatch]: `amplitude` is a difference or a factor, but degC counts from 273.15 K
+              model.ron:8:26 `"amp"` should be in K
+              help: give `amp` in K
+        "#]],
+    );
+}

@@ -201,7 +201,7 @@ mod tests {
 
     const fn info(name: &'static str, unit: &'static str, list: &'static [Requirement]) -> ParameterInfo {
         let requires = Requirements { list, ..Requirements::NONE };
-        ParameterInfo { name, rust_type: "", unit, default: None, doc: "", requires }
+        ParameterInfo { name, unit, requires, ..ParameterInfo::NONE }
     }
 
     const POSITIVE: &[Requirement] = &[Requirement::Finite, Requirement::Above(Bound::Number(0.0))];

@@ -29,19 +29,19 @@ use super::state_space::{column, dot, fit, sized};
 #[block(category = "Continuous", symbol = Lines("E ẋ = A x + B u","y = C x + D u"), builds = System)]
 pub struct DescriptorStateSpace {
     /// Matrix before the derivatives, square.
-    #[block(finite)]
+    #[block(difference, finite)]
     pub e: Vec<Vec<f64>>,
     /// System matrix, as large as `e`.
-    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
+    #[block(difference, not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub a: Vec<Vec<f64>>,
     /// Input matrix, a row for each row of `a`, a column for each input.
-    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
+    #[block(difference, not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub b: Vec<Vec<f64>>,
     /// Output matrix, a row for each output.
-    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
+    #[block(difference, not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub c: Vec<Vec<f64>>,
     /// Feedthrough, outputs by inputs; empty means zero.
-    #[block(finite, default = Vec::new())]
+    #[block(difference, finite, default = Vec::new())]
     pub d: Vec<Vec<f64>>,
     /// Values at the start, one for each row of `a`; empty means that the states are zero.
     #[block(finite, default = Vec::new())]

@@ -27,7 +27,7 @@ use super::state_space::{column, initial, sized};
 #[block(category = "Continuous", symbol = Lines("M ẏ = u", ""), builds = Reduced)]
 pub struct MassMatrixIntegrator {
     /// Mass matrix, a list of rows.
-    #[block(not_empty, finite, empty = "give a list of rows, such as [[1.0, 0.0], [0.0, 0.0]]")]
+    #[block(difference, not_empty, finite, empty = "give a list of rows, such as [[1.0, 0.0], [0.0, 0.0]]")]
     pub m: Vec<Vec<f64>>,
     /// Output at the start, one value for each row; empty means zero.
     #[block(finite, default = Vec::new())]

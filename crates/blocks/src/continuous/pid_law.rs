@@ -30,13 +30,13 @@ pub enum AntiWindup {
 #[derive(Debug, Clone, Copy, PartialEq, Parameters)]
 pub struct PidLaw {
     /// Proportional gain.
-    #[block(finite)]
+    #[block(difference, finite)]
     pub kp: f64,
     /// Integral gain: the unit of `kp` over s, or 1/s with `form: Ideal`.
-    #[block(finite, default = 0.0)]
+    #[block(difference, finite, default = 0.0)]
     pub ki: f64,
     /// Derivative gain: the unit of `kp` times s, or s with `form: Ideal`.
-    #[block(finite, default = 0.0)]
+    #[block(difference, finite, default = 0.0)]
     pub kd: f64,
     /// Where the filter of the derivative cuts off, positive.
     #[block(unit = "1/s", positive, default = 100.0)]

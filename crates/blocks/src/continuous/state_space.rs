@@ -16,16 +16,16 @@ use blocksim_block::prelude::*;
 #[block(category = "Continuous", symbol = Lines("ẋ = A x + B u","y = C x + D u"))]
 pub struct StateSpace {
     /// System matrix, states by states.
-    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
+    #[block(difference, not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub a: Vec<Vec<f64>>,
     /// Input matrix, states by inputs.
-    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
+    #[block(difference, not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub b: Vec<Vec<f64>>,
     /// Output matrix, outputs by states.
-    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
+    #[block(difference, not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub c: Vec<Vec<f64>>,
     /// Feedthrough, outputs by inputs; empty means zero.
-    #[block(finite, default = Vec::new())]
+    #[block(difference, finite, default = Vec::new())]
     pub d: Vec<Vec<f64>>,
     /// States at the start; empty means zero.
     #[block(finite, default = Vec::new())]

@@ -24,6 +24,7 @@ use super::rational::Rational;
 pub struct TransferFunction {
     /// Numerator, in descending powers of s.
     #[block(
+        difference,
         not_empty, finite, default = vec![1.0],
         empty = "give at least one coefficient, in descending powers: [1.0]",
     )]
@@ -32,7 +33,7 @@ pub struct TransferFunction {
     #[block(not_empty, finite, empty = "give at least one coefficient, in descending powers: [1.0]")]
     pub den: Vec<f64>,
     /// Factor; its unit is the unit of the output over that of the input.
-    #[block(finite, default = 1.0)]
+    #[block(difference, finite, default = 1.0)]
     pub k: f64,
 }
 

@@ -17,7 +17,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Curve(Backlash))]
 pub struct Backlash {
     /// Play $w$ from one flank to the other.
-    #[block(not_negative)]
+    #[block(difference, not_negative)]
     pub width: f64,
     /// Output at the start; where the input begins outside of the play around it, the nearer flank carries from the start.
     #[block(finite, default = 0.0)]

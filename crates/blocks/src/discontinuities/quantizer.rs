@@ -13,7 +13,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Curve(Quantizer))]
 pub struct Quantizer {
     /// Interval $q$, in the unit of the input.
-    #[block(positive)]
+    #[block(difference, positive)]
     pub interval: f64,
 }
 

@@ -25,10 +25,10 @@ use blocksim_block::prelude::*;
 #[block(category = "Discontinuities", symbol = Curve(RateLimit))]
 pub struct RateLimiter {
     /// Greatest rate, positive.
-    #[block(positive)]
+    #[block(difference, positive)]
     pub rising: f64,
     /// Least rate, negative.
-    #[block(negative, remedy = "it is a rate with its sign: -10, not 10")]
+    #[block(difference, negative, remedy = "it is a rate with its sign: -10, not 10")]
     pub falling: f64,
     /// Output at the start, in the unit of the input.
     #[block(finite, default = 0.0)]

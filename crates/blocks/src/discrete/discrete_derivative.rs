@@ -20,7 +20,7 @@ pub struct DiscreteDerivative {
     #[block(unit = "s", positive)]
     pub ts: f64,
     /// Factor $K$.
-    #[block(finite, default = 1.0)]
+    #[block(difference, finite, default = 1.0)]
     pub gain: f64,
     /// Input before the first sample, in the unit of the input.
     #[block(finite, default = 0.0)]

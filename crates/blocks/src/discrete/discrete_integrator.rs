@@ -31,7 +31,7 @@ pub struct DiscreteIntegrator {
     #[block(default = Method::ForwardEuler)]
     pub method: Method,
     /// Factor $K$.
-    #[block(finite, default = 1.0)]
+    #[block(difference, finite, default = 1.0)]
     pub gain: f64,
     /// State at the start. A list gives each element its own.
     #[block(finite, at_least = lower, at_most = upper, default = 0.0.into())]

@@ -23,16 +23,16 @@ pub struct DiscreteStateSpace {
     #[block(unit = "s", positive)]
     pub ts: f64,
     /// System matrix, states by states.
-    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
+    #[block(difference, not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub a: Vec<Vec<f64>>,
     /// Input matrix, states by inputs.
-    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
+    #[block(difference, not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub b: Vec<Vec<f64>>,
     /// Output matrix, outputs by states.
-    #[block(not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
+    #[block(difference, not_empty, finite, empty = "give a list of rows, such as [[0.0, 1.0], [-1.0, 0.0]]")]
     pub c: Vec<Vec<f64>>,
     /// Feedthrough, outputs by inputs; empty means zero.
-    #[block(finite, default = Vec::new())]
+    #[block(difference, finite, default = Vec::new())]
     pub d: Vec<Vec<f64>>,
     /// States at the start and after a reset; empty means zero.
     #[block(finite, default = Vec::new())]

@@ -24,6 +24,7 @@ pub struct DiscreteTransferFunction {
     pub ts: f64,
     /// Numerator, in descending powers of z.
     #[block(
+        difference,
         not_empty, finite, default = vec![1.0],
         empty = "give at least one coefficient, in descending powers: [1.0]",
     )]
@@ -32,7 +33,7 @@ pub struct DiscreteTransferFunction {
     #[block(not_empty, finite, empty = "give at least one coefficient, in descending powers: [1.0]")]
     pub den: Vec<f64>,
     /// Factor; its unit is the unit of the output over that of the input.
-    #[block(finite, default = 1.0)]
+    #[block(difference, finite, default = 1.0)]
     pub k: f64,
     /// All states at the start.
     #[block(finite, default = 0.0)]

@@ -17,7 +17,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Drives", symbol = Text("±, |u|"))]
 pub struct DirectionReverser {
     /// Distance $h$ from zero, in the unit of the input, that the command must pass to change the direction.
-    #[block(not_negative, default = 1e-3)]
+    #[block(difference, not_negative, default = 1e-3)]
     pub hysteresis: f64,
     /// Shortest time between two changes of the direction.
     #[block(unit = "s", not_negative, default = 0.0)]

@@ -28,7 +28,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Drives", symbol = Text("steps"))]
 pub struct StepperDriver {
     /// Command of a phase that conducts fully, $A$; the outputs have its unit.
-    #[block(finite)]
+    #[block(difference, finite)]
     pub amplitude: f64,
     /// `Wave`, `Full`, `Half` or `Micro(..)`.
     #[block(default = Drive::Full)]

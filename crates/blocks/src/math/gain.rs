@@ -21,7 +21,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Math", symbol = Gain("k"))]
 pub struct Gain {
     /// Factor: a number, a list, or a list of rows.
-    #[block(finite)]
+    #[block(difference, finite)]
     pub k: Entries,
     /// `ElementWise`, or a product of matrices: `KTimesU`, `UTimesK`.
     #[block(default = Factors::ElementWise)]

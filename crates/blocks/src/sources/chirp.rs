@@ -12,7 +12,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Sine))]
 pub struct Chirp {
     /// Amplitude $A$; its unit is that of the output.
-    #[block(finite, default = 1.0)]
+    #[block(difference, finite, default = 1.0)]
     pub amplitude: f64,
     /// Frequency $f_0$ at time 0.
     #[block(unit = "Hz", not_negative)]

@@ -22,10 +22,10 @@ pub struct Noise {
     #[block(unit = "s", positive)]
     pub ts: f64,
     /// Standard deviation; its unit is that of the output.
-    #[block(not_negative, default = None)]
+    #[block(difference, not_negative, default = None)]
     pub std: Option<f64>,
     /// Power spectral density: the square of the unit of the output times s.
-    #[block(not_negative, default = None)]
+    #[block(difference, not_negative, default = None)]
     pub power: Option<f64>,
     /// Mean value, in the unit of the output.
     #[block(finite, default = 0.0)]

@@ -22,7 +22,7 @@ pub struct Prbs {
     #[block(at_least = 2, at_most = TAPS.len() + 1, default = 10)]
     pub register: usize,
     /// Half the distance of the two values; its unit is that of the output.
-    #[block(finite, default = 1.0)]
+    #[block(difference, finite, default = 1.0)]
     pub amplitude: f64,
     /// Mean of the two values, in the unit of the output.
     #[block(finite, default = 0.0)]

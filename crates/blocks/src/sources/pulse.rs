@@ -14,7 +14,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Pulse))]
 pub struct Pulse {
     /// Height $A$; its unit is that of the output.
-    #[block(finite, default = 1.0)]
+    #[block(difference, finite, default = 1.0)]
     pub amplitude: f64,
     /// Period $T$.
     #[block(unit = "s", positive)]

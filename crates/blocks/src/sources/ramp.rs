@@ -12,7 +12,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Ramp))]
 pub struct Ramp {
     /// Slope $k$; its unit times s is that of the output.
-    #[block(finite)]
+    #[block(difference, finite)]
     pub slope: f64,
     /// Time $t_0$ of the kink.
     #[block(unit = "s", finite, default = 0.0)]

@@ -10,7 +10,7 @@ use blocksim_block::prelude::*;
 #[block(category = "Sources", symbol = Curve(Sine))]
 pub struct Sine {
     /// Amplitude $A$; its unit is that of the output.
-    #[block(finite, default = 1.0)]
+    #[block(difference, finite, default = 1.0)]
     pub amplitude: f64,
     /// Frequency $f$.
     #[block(unit = "Hz", not_negative)]

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::plot::tolerance;
 use super::values::{positive, time};
 
 /// `blocksim grade`.
@@ -20,9 +21,9 @@ pub struct GradeArgs {
     /// Signals that are compared; without it all that both record.
     #[arg(long, value_name = "PATTERN", value_delimiter = ',')]
     pub signals: Vec<String>,
-    /// Absolute tolerance, in the unit in which a signal is shown.
-    #[arg(long, value_name = "X", value_parser = positive)]
-    pub abs: Option<f64>,
+    /// Absolute tolerance, such as `0.1deg` or `2 N*m`, for signals of this kind; a plain number holds for all, in SI. May be repeated.
+    #[arg(long, value_name = "X", value_parser = written_tolerance, allow_hyphen_values = true)]
+    pub abs: Vec<String>,
     /// Relative tolerance; without both, 1e-3.
     #[arg(long, value_name = "X", value_parser = positive)]
     pub rel: Option<f64>,
@@ -35,4 +36,9 @@ pub struct GradeArgs {
     /// Print a JSON object for each project.
     #[arg(long)]
     pub json: bool,
+}
+
+/// A tolerance as `compare` takes it, as written.
+fn written_tolerance(text: &str) -> Result<String, String> {
+    tolerance(text).map(|_| text.to_owned())
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use blocksim_signal::{Dimension, Unit};
 use clap::{Args, ValueEnum};
 
-use super::values::{moment, positive, quantity};
+use super::values::{difference, moment, positive, quantity};
 
 /// `blocksim plot`.
 #[derive(Debug, Args)]
@@ -241,8 +241,9 @@ pub enum Align {
     Correlation,
 }
 
-fn tolerance(text: &str) -> Result<Tolerance, String> {
-    let quantity = quantity(text, "a tolerance is a number, such as 1e-6 or 0.1deg")?;
+/// A tolerance with the unit of the signals that it is for, or for all signals.
+pub fn tolerance(text: &str) -> Result<Tolerance, String> {
+    let quantity = difference(text, "a tolerance is a number, such as 1e-6 or 0.1deg")?;
     match quantity.value {
         value if value >= 0.0 && value.is_finite() => {
             let dimension = (quantity.dimension != Dimension::NONE).then_some(quantity.dimension);
@@ -276,8 +277,12 @@ mod tests {
         assert_eq!(deg.dimension, Unit::parse("rad").ok().map(|unit| unit.dimension));
         assert_eq!(tolerance("1e-6").unwrap(), Tolerance { value: 1e-6, dimension: None });
         assert_eq!(tolerance("2 N*m").unwrap().value, 2.0);
+        for half in ["0.5degC", "0.5 degC", "0.5 °C", "0.5 [degC]", "0.5 K", "500 mK"] {
+            let kelvin = Unit::parse("K").ok().map(|unit| unit.dimension);
+            assert_eq!(tolerance(half), Ok(Tolerance { value: 0.5, dimension: kelvin }), "{half}");
+        }
         assert_eq!(share("0.1%"), Ok(1e-3));
-        for wrong in ["-1", "deg", "1/0", "", "[1]"] {
+        for wrong in ["-1", "-1 degC", "deg", "1/0", "", "[1]"] {
             assert!(tolerance(wrong).is_err() && share(wrong).is_err(), "{wrong}");
         }
         assert!(share("1 m").is_err() && duration("-1s").is_err());

@@ -1,6 +1,6 @@
 //! Values as they are written on the command line.
 
-use blocksim_signal::{Lookup, Quantity, Scope, Unit, evaluate};
+use blocksim_signal::{Lookup, Noted, Quantity, Scope, Unit, evaluate_noted};
 
 use crate::running::tuning::When;
 
@@ -44,13 +44,28 @@ pub fn moment(text: &str) -> Result<f64, String> {
 
 /// A number with or without a unit; `otherwise` tells what else is wrong.
 pub fn quantity(text: &str, otherwise: &str) -> Result<Quantity, String> {
-    let value = evaluate(text, &NoNames).map_err(|error| match error.help {
+    noted(text, otherwise)?.value.as_number().ok_or_else(|| otherwise.to_owned())
+}
+
+/// A difference, to which the zero of a scale does not apply: `0.5 degC` is 0.5 K.
+pub fn difference(text: &str, otherwise: &str) -> Result<Quantity, String> {
+    let noted = noted(text, otherwise)?;
+    // Such a unit stands in whole literals alone: the number without its unit is in that unit.
+    let Some(unit) = noted.units.iter().find(|unit| unit.offset != 0.0) else {
+        return noted.value.as_number().ok_or_else(|| otherwise.to_owned());
+    };
+    let written: String = text.chars().filter(|sign| !sign.is_whitespace()).collect();
+    let plain = quantity(&written.replacen(&unit.text, &Unit::si(unit.dimension).text, 1), otherwise)?;
+    Ok(Quantity { value: plain.value * unit.scale, ..plain })
+}
+
+fn noted(text: &str, otherwise: &str) -> Result<Noted, String> {
+    evaluate_noted(text, &NoNames).map_err(|error| match error.help {
         // Nobody has names in mind here.
         _ if error.message.starts_with("unknown name") => otherwise.to_owned(),
         Some(help) => format!("{}; {help}", error.message),
         None => error.message,
-    })?;
-    value.as_number().ok_or_else(|| otherwise.to_owned())
+    })
 }
 
 /// Times real time; 0 for as fast as it can.

@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 
 use blocksim_analysis::{metrics, without_jumps};
+use blocksim_block::schedule::Recorded;
 use blocksim_picture::pairs;
 use blocksim_signal::Unit;
 
-use crate::signals::display::{Shown, turn};
+use crate::signals::display::{Shown, display_unit, turn};
 use crate::signals::headings::headings;
 use crate::signals::naming::{is_of, numbered_part};
 
@@ -90,28 +91,51 @@ fn twins<'s, 'a>(
 /// A set value and its actual value.
 type Pair<'a> = (&'a Shown<'a>, &'a Shown<'a>);
 
-/// The pairs of each scope, in the order of their set values. What is recorded of a bus has the path of its elements behind
-/// that of the block, and is in no scope.
+/// The pairs of each scope, in the order of their set values.
 fn in_scopes<'a>(shown: &'a [Shown<'a>]) -> Vec<Pair<'a>> {
-    let mut scopes: Vec<Vec<&Shown>> = Vec::new();
+    let all: Vec<(&str, &str)> = shown.iter().map(|s| (s.path, s.unit.text.as_str())).collect();
+    paired(&all).into_iter().map(|(set, actual)| (&shown[set], &shown[actual])).collect()
+}
+
+/// Whether each signal is a set or an actual value of a pair; what is found of these alone by [`trackings`] is what is found of all.
+pub fn are_followed(recorded: &[Recorded]) -> Vec<bool> {
+    let units: Vec<String> = recorded.iter().map(|r| display_unit(r).text).collect();
+    let all: Vec<(&str, &str)> =
+        recorded.iter().zip(&units).map(|(r, unit)| (r.path.as_str(), &**unit)).collect();
+    let mut are = vec![false; recorded.len()];
+    for (set, actual) in paired(&all) {
+        (are[set], are[actual]) = (true, true);
+    }
+    are
+}
+
+/// Positions of the set and the actual values of each scope among signals with these paths and units. What is recorded of a bus
+/// has the path of its elements behind that of the block, and is in no scope.
+fn paired(all: &[(&str, &str)]) -> Vec<(usize, usize)> {
+    let mut scopes: Vec<Vec<(usize, &str)>> = Vec::new();
     let mut known = HashMap::new();
-    for s in shown.iter().filter(|s| !s.port().is_empty() && !s.port().contains('.')) {
-        let at = *known.entry(s.block()).or_insert(scopes.len());
-        if at == scopes.len() {
+    for (at, (path, _)) in all.iter().enumerate() {
+        let Some((block, port)) =
+            path.split_once('.').filter(|(_, port)| !port.is_empty() && !port.contains('.'))
+        else {
+            continue;
+        };
+        let scope = *known.entry(block).or_insert(scopes.len());
+        if scope == scopes.len() {
             scopes.push(Vec::new());
         }
-        scopes[at].push(s);
+        scopes[scope].push((at, port));
     }
-    let of_scope = |inputs: &Vec<&'a Shown<'a>>| -> Vec<Pair<'a>> {
-        let found = pairs(&inputs.iter().map(|s| s.port()).collect::<Vec<_>>());
-        let both = found.into_iter().map(|(set, actual)| (inputs[set], inputs[actual]));
-        both.filter(|(set, actual)| set.unit.text == actual.unit.text).collect()
+    let of_scope = |inputs: &Vec<(usize, &str)>| -> Vec<(usize, usize)> {
+        let found = pairs(&inputs.iter().map(|(_, port)| *port).collect::<Vec<_>>());
+        let both = found.into_iter().map(|(set, actual)| (inputs[set].0, inputs[actual].0));
+        both.filter(|(set, actual)| all[*set].1 == all[*actual].1).collect()
     };
     scopes.iter().flat_map(of_scope).collect()
 }
 
 /// What an input has of its own: `[2]` of `actual[2]`, else its name.
-fn part(port: &str) -> &str {
+pub fn part(port: &str) -> &str {
     port.find('[').map_or(port, |start| &port[start..])
 }
 

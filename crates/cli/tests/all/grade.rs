@@ -131,3 +131,32 @@ fn a_run_that_ends_before_the_reference_is_told_so() {
     let reason = "is the same, but only there from 0 s to 0.7500 s, and 1 signal more";
     assert!(answer.code == Some(1) && answer.out.contains(reason), "{}{}", answer.out, answer.err);
 }
+
+#[test]
+fn tolerances_are_those_of_compare() {
+    let desk = Desk::with(&[("loop.ron", &model("6 1/s"))]);
+    fs::create_dir_all(desk.0.join("students/bert")).expect("a folder");
+    fs::write(desk.0.join("students/bert/loop.ron"), model("5 1/s")).expect("a model");
+    // 90 deg (exp(-5 t) - exp(-6 t)) is 6.03 deg at most, or 0.105 rad.
+    for (n, (tolerances, verdict)) in [
+        (&["--abs", "6.2deg"][..], "agrees"),
+        (&["--abs", "5.9deg"], "differs"),
+        (&["--abs", "0.11"], "agrees"),
+        (&["--abs", "0.1"], "differs"),
+        (&["--abs", "2 m", "--abs", "6.2 deg"], "agrees"),
+        (&["--abs", "2 m"], "differs"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let out = format!("graded{n}");
+        let call = [&["grade", "students", "--against", "loop.ron", "--out", &out], tolerances].concat();
+        let answer = desk.call(&call);
+        assert!(
+            answer.out.lines().next().is_some_and(|line| line.contains(verdict)),
+            "{tolerances:?}: {answer:?}"
+        );
+    }
+    let wrong = desk.call(&["grade", "students", "--against", "loop.ron", "--abs", "-1 deg"]);
+    assert!(wrong.code == Some(2) && wrong.err.contains("below zero"), "{wrong:?}");
+}

@@ -180,3 +180,69 @@ fn what_cannot_be_found_is_explained() {
     assert_eq!((code, err.as_str()), (Some(0), ""), "{out}");
     assert!(out.contains("does not determine `tau`"), "{out}");
 }
+
+/// A gain and a lag that three clean signals show, and a gain that one noisy signal shows alone.
+const SENSORS: &str = r#"Diagram(
+    parameters: { "gain": 2.0, "tau": "0.4 s", "b": 1.2 },
+    simulation: (stop_time: "2 s", solver: Ode45(rtol: 1e-8)),
+    blocks: {
+        "step": Step(time: "0 s", after: 1.0), "gain": Gain(k: "gain"), "lag": LowPass(tau: "tau"), "other": Gain(k: "b"),
+        "clean": Scope(inputs: ["y", "u"]), "noisy": Scope(inputs: ["z"]),
+    },
+    connections: ["step.y -> gain.u, other.u", "gain.y -> lag.u, clean.u", "lag.y -> clean.y", "other.y -> noisy.z"],
+)"#;
+
+#[test]
+fn signals_with_noise_of_their_own_have_intervals_of_their_own() {
+    const ROWS: usize = 200;
+    const CASES: u64 = 12;
+    let (clean, noisy) = (0.002, 0.3);
+    let mut held = [0; 3];
+    let (mut widths, mut errors) = ([0.0; 3], [0.0; 3]);
+    // The standard errors where the noise is known, from the slopes of the closed forms.
+    let mut normal = [[0.0; 2]; 2];
+    for k in 1..=ROWS {
+        let t = 0.01 * k as f64;
+        let e = (-t / 0.4_f64).exp();
+        let slopes = [[1.0 - e, -2.0 * e * t / 0.16], [1.0, 0.0]];
+        for slope in slopes {
+            for i in 0..2 {
+                for j in 0..2 {
+                    normal[i][j] += slope[i] * slope[j] / (clean * clean);
+                }
+            }
+        }
+    }
+    let determinant = normal[0][0] * normal[1][1] - normal[0][1].powi(2);
+    let expected = [
+        (normal[1][1] / determinant).sqrt(),
+        (normal[0][0] / determinant).sqrt(),
+        noisy / (ROWS as f64).sqrt(),
+    ];
+    for seed in 0..CASES {
+        let mut random = blocksim_identify::Random::new(seed);
+        let mut table = String::from("time [s],clean.y,clean.u,noisy.z\n");
+        for k in 1..=ROWS {
+            let t = 0.01 * k as f64;
+            let y = 2.0 * (1.0 - (-t / 0.4_f64).exp()) + clean * random.normal();
+            let (u, z) = (2.0 + clean * random.normal(), 1.2 + noisy * random.normal());
+            table.push_str(&format!("{t},{y},{u},{z}\n"));
+        }
+        let desk = Desk::with(&[("model.ron", SENSORS), ("m.csv", &table)]);
+        let words = ["identify", "parameters", "model.ron", "--from", "m.csv", "--of", "gain,tau,b"];
+        let begin = ["--set", "gain=2.5", "--set", "tau=0.3 s", "--set", "b=1.5", "--json"];
+        let Answer { code, out, err } = desk.call(&[&words[..], &begin].concat());
+        assert_eq!((code, err.as_str()), (Some(0), ""), "{out}");
+        for (n, (line, truth)) in lines(&out).iter().zip([2.0, 0.4, 1.2]).enumerate() {
+            let (value, interval) = (line["value"].as_f64().unwrap(), line["interval_95"].as_f64().unwrap());
+            held[n] += u32::from((value - truth).abs() <= interval);
+            widths[n] += interval / (1.96 * expected[n]) / CASES as f64;
+            errors[n] += ((value - truth) / expected[n]).powi(2) / CASES as f64;
+        }
+    }
+    for n in 0..3 {
+        assert!((0.9..1.1).contains(&widths[n]), "intervals are {widths:?} of what the noise leaves");
+        // Twelve squares have a mean of 1 with a standard deviation of 0.41.
+        assert!(errors[n] < 2.6 && held[n] >= 10, "{errors:?}, {held:?}");
+    }
+}

@@ -417,6 +417,21 @@ fn two_runs_are_the_same_within_or_different() {
     assert_eq!(desk.call(&["compare", "a", "d", "--overlap", "--abs", "1e-3deg"]).0, 0);
 }
 
+#[test]
+fn a_tolerance_in_degrees_celsius_is_a_difference() {
+    let table = |middle: f64| format!("time [s],x [degC]\n0,20\n1,{middle}\n2,20\n");
+    let desk = Desk::with(&[("a.csv", &table(20.0)), ("b.csv", &table(25.0))]);
+    for (tolerance, code) in
+        [("0.5degC", 1), ("4.9 °C", 1), ("4.9K", 1), ("5.1degC", 0), ("5.1 [degC]", 0), ("5.1 K", 0)]
+    {
+        let words = ["compare", "a.csv", "b.csv", "--abs", tolerance, "--interpolation", "linear"];
+        let found = desk.call(&words);
+        assert_eq!(found.0, code, "{tolerance}: {found:?}");
+    }
+    let data = desk.call(&["compare", "a.csv", "b.csv", "--abs", "0.5 degC", "--json"]);
+    assert!(data.1.contains("\"tolerance\":0.5}"), "{data:?}");
+}
+
 /// Rows of a run every 0.1 s beside a table of the closed form every 5 ms: chords of a lag of 0.2 s are off by up to
 /// `90 deg (0.1 / 0.2)^2 / 8`, 2.8 deg, just after the step, which no tolerance should have to allow.
 #[test]

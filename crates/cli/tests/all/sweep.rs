@@ -301,3 +301,75 @@ fn parameters_without_a_derivative_are_refused() {
         assert!(said(&output).contains(part), "{words:?}: {}", said(&output));
     }
 }
+
+/// Three pairs, of which one is called otherwise and two are elements of vectors: the error of each is `size exp(-t / tau)` behind the
+/// step.
+const PAIRS: &str = r#"Diagram(
+    parameters: { "k": 1.0 },
+    simulation: (stop_time: "2 s", solver: Ode45(rtol: 1e-9), output: Every("0.5 ms")),
+    blocks: {
+        "demand": Step(time: "0.5 s"),
+        "sizes": Gain(k: ["k", 2.0]),
+        "lag": LowPass(tau: "0.1 s"),
+        "slow": LowPass(tau: "0.2 s"),
+        "a": Scope(inputs: ["set", "actual"]),
+        "b": Scope(inputs: ["other", "q_ref", "q"]),
+    },
+    connections: [
+        "demand.y -> sizes.u, slow.u, b.q_ref, b.other",
+        "sizes.y -> lag.u, a.set", "lag.y -> a.actual", "slow.y -> b.q",
+    ],
+)
+"#;
+
+#[test]
+fn every_pair_is_measured_whatever_its_names_and_whether_runs_are_kept() {
+    let desk = Desk::new("pairs");
+    std::fs::write(desk.0.join("pairs.ron"), PAIRS).expect("a model");
+    let metrics = |words: &[&str]| -> Value {
+        let output = desk.sweep(&[&["pairs.ron", "--over", "k=1,3", "--json"], words].concat());
+        assert_eq!(output.status.code(), Some(0), "{words:?}: {}", said(&output));
+        serde_json::from_slice::<Value>(&output.stdout).expect("data")["runs"].clone()
+    };
+    let of_pairs = metrics(&["--metric", "maximum_error,iae"]);
+    assert_eq!(of_pairs.as_array().map(Vec::len), Some(2));
+    for (run, k) in of_pairs.as_array().expect("runs").iter().zip([1.0, 3.0]) {
+        let found: Vec<(&str, &str, f64)> = run["metrics"]
+            .as_array()
+            .expect("metrics")
+            .iter()
+            .map(|m| {
+                let text = |name: &str| m[name].as_str().expect("a text");
+                (text("metric"), text("signal"), m["value"].as_f64().expect("a number"))
+            })
+            .collect();
+        let area = |size: f64, tau: f64| size * tau * (1.0 - (-1.5 / tau).exp());
+        let wanted = [
+            ("maximum_error", "a.actual[0]", k),
+            ("maximum_error", "a.actual[1]", 2.0),
+            ("maximum_error", "b", 1.0),
+            ("iae", "a.actual[0]", area(k, 0.1)),
+            ("iae", "a.actual[1]", area(2.0, 0.1)),
+            ("iae", "b", area(1.0, 0.2)),
+        ];
+        assert_eq!(found.len(), wanted.len(), "{run}");
+        for (found, wanted) in found.iter().zip(wanted) {
+            assert_eq!((found.0, found.1), (wanted.0, wanted.1), "{run}");
+            assert!((found.2 - wanted.2).abs() < 1e-5, "{found:?}: {wanted:?}");
+        }
+    }
+    let one = metrics(&["--metric", "iae:b"]);
+    assert_eq!(one[0]["metrics"][0], of_pairs[0]["metrics"][5]);
+    let plain = metrics(&[]);
+    let kept = metrics(&["--keep", "kept"]);
+    for n in 0..2 {
+        assert_eq!(plain[n]["metrics"], kept[n]["metrics"], "what is kept changes no numbers");
+        let largest = of_pairs[n]["metrics"].as_array().expect("metrics")[..3].to_vec();
+        assert_eq!(plain[n]["metrics"].as_array(), Some(&largest));
+    }
+    let table = desk.sweep(&["pairs.ron", "--over", "k=1,3"]);
+    let table = String::from_utf8_lossy(&table.stdout).into_owned();
+    for heading in ["maximum error a [0]", "maximum error a [1]", "maximum error b"] {
+        assert!(table.contains(heading), "{table}");
+    }
+}

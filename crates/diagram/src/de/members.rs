@@ -1,6 +1,7 @@
 //! The parts of a written value, handed to serde one by one.
 
-use blocksim_block::BlockInfo;
+use blocksim_block::problem::Problem;
+use blocksim_block::{BlockInfo, ParameterInfo};
 use blocksim_signal::Unit;
 use serde::de::value::StrDeserializer;
 use serde::de::{
@@ -9,6 +10,7 @@ use serde::de::{
 
 use super::written::Written;
 use super::{Expected, Noted};
+use crate::replacing::Place;
 use blocksim_syntax::{Name, Node, Shape};
 
 /// Members of a set or of `Kind(...)`.
@@ -41,15 +43,55 @@ impl<'de> MapAccess<'de> for Members<'_, '_> {
         if self.top {
             value.expected = expected(self.written.reading.info, &name.text);
             value.expected.field = Some(&name.text);
+            value.refuse_zero(&name.text)?;
         }
         let result = seed.deserialize(value);
         value.placed(result)
     }
 }
 
+impl Written<'_, '_> {
+    /// Refuses a unit with a zero of its own where the parameter is a difference: 3 degC is 276.15 K, and nobody means that.
+    fn refuse_zero(&self, field: &str) -> Result<(), Noted> {
+        let reading = self.reading;
+        let is_difference = parameter(reading.info, field).is_some_and(|parameter| parameter.is_difference);
+        if !is_difference || matches!(self.node.value, Shape::Number(_)) {
+            return Ok(());
+        }
+        let node = std::rc::Rc::new(self.node.clone());
+        let Some(unit) = (Place { scope: reading.scope.clone(), file: reading.file, node }).own_zero() else {
+            return Ok(());
+        };
+        let si = Unit::si(unit.dimension);
+        let place = reading.place(self.node);
+        let message = format!(
+            "`{field}` is a difference or a factor, but {} counts from {} {si}",
+            unit.text, unit.offset
+        );
+        let mut problem = Problem::error("unit_mismatch", message).at(&place, format!("should be in {si}"));
+        problem = match &self.node.value {
+            Shape::Text(text) if text.contains(&unit.text) => {
+                problem.help(format!("write \"{}\"", text.replace(&unit.text, &si.text)))
+            }
+            Shape::Text(text) => problem.help(format!("give `{text}` in {si}")),
+            _ => problem.help(format!("write {si}")),
+        };
+        let written = reading.scope.sources.file(place.file).text.get(place.span.clone()).map(str::to_owned);
+        if let Some(old) = written.filter(|old| unit.scale == 1.0 && old.contains(&unit.text)) {
+            let new = old.replace(&unit.text, &si.text);
+            problem = problem.edit(place, old, new);
+        }
+        Err(reading.note(problem))
+    }
+}
+
+fn parameter(info: Option<&'static BlockInfo>, field: &str) -> Option<&'static ParameterInfo> {
+    info?.parameters.iter().find(|parameter| parameter.name == field)
+}
+
 /// What the kind says of the unit of a parameter.
 fn expected(info: Option<&'static BlockInfo>, field: &str) -> Expected<'static> {
-    let parameter = info.and_then(|info| info.parameters.iter().find(|parameter| parameter.name == field));
+    let parameter = parameter(info, field);
     let dimension = parameter
         .filter(|parameter| !parameter.unit.is_empty())
         .and_then(|parameter| Unit::parse(parameter.unit).ok())

@@ -105,6 +105,46 @@ impl<'a> Place<'a> {
         }
     }
 
+    /// A unit with a zero of its own, such as degC, in which the value or a part of it is written: here, or where a parameter that
+    /// stands here alone has its value from.
+    pub(crate) fn own_zero(&self) -> Option<Unit> {
+        self.own_zero_at(0)
+    }
+
+    fn own_zero_at(&self, depth: usize) -> Option<Unit> {
+        if depth > DEEPEST {
+            return None;
+        }
+        let deeper = |node: &Node| match &node.value {
+            // Tables of numbers are not copied.
+            Shape::Number(_) | Shape::Bool(_) | Shape::Word(_) => None,
+            _ => Place { node: Rc::new(node.clone()), ..self.clone() }.own_zero_at(depth + 1),
+        };
+        match &self.node.value {
+            Shape::Text(text) => {
+                let noted = noted(&self.scope, text, self.file, 0, &(0..0)).ok()?;
+                if let Some(unit) = noted.units.into_iter().find(|unit| unit.offset != 0.0) {
+                    return Some(unit);
+                }
+                // What is computed, as `hot - cold`, may be a difference.
+                let named = noted.names.first().filter(|named| *named == text.trim())?;
+                let names = segments(named);
+                let place = match self.scope.replaced(&names) {
+                    Some((place, rest)) => place.below(rest, 0)?,
+                    None => Place::of(&self.scope, &names)?,
+                };
+                place.own_zero_at(depth + 1)
+            }
+            Shape::List(items) => items.iter().find_map(deeper),
+            Shape::Struct(None, members) => match described(members) {
+                Some(value) => deeper(value),
+                None => members.iter().find_map(|(_, member)| deeper(member)),
+            },
+            Shape::Map(members) => members.iter().find_map(|(_, member)| deeper(member)),
+            _ => None,
+        }
+    }
+
     /// Whether a ratio in decibels stands here.
     fn in_decibels(&self) -> bool {
         let Shape::Text(text) = &self.node.value else { return false };

@@ -144,8 +144,8 @@ impl<'a> Resolver<'a> {
             let declared =
                 ast.parameters.iter().find(|(name, _)| name.text == names[0]).map(|(_, node)| node);
             match self.overridden(over, names, declared, scope) {
-                Ok(value) => {
-                    scope.set(&names[0], value);
+                Ok((value, node)) => {
+                    scope.set(names, value, over.file, &node);
                     let path = names.join(".").replace(".[", "[");
                     self.replaced.borrow_mut().push((index, scope.clone(), path));
                 }
@@ -160,7 +160,7 @@ impl<'a> Resolver<'a> {
         names: &[String],
         declared: Option<&Node>,
         scope: &Rc<Scope<'a>>,
-    ) -> Result<Value, Problem> {
+    ) -> Result<(Value, Node), Problem> {
         let alternatives = declared.map(choices).unwrap_or_default();
         let fail = |message: String| Problem::error("unknown_override", message).at(&over.place(), "");
         if names.len() == 1 && !alternatives.is_empty() {
@@ -168,7 +168,7 @@ impl<'a> Resolver<'a> {
                 return Err(fail(format!("`{}` is one of {}", names[0], list(&alternatives))));
             };
             if alternatives.contains(word) {
-                return Ok(Value::Text(word.clone()));
+                return Ok((Value::Text(word.clone()), over.node.clone()));
             }
             let problem = fail(format!("`{}` has no alternative `{word}`", names[0]));
             return Err(match closest(word, alternatives.iter().map(String::as_str)) {
@@ -186,8 +186,10 @@ impl<'a> Resolver<'a> {
             None => return Err(fail(format!("there is no parameter `{}`", names[0]))),
         };
         let old_is_text = matches!(value, Value::Text(_)) && names.len() == 1;
-        let new = match &over.node.value {
-            Shape::Word(word) | Shape::Text(word) if old_is_text => Value::Text(word.clone()),
+        let (new, node) = match &over.node.value {
+            Shape::Word(word) | Shape::Text(word) if old_is_text => {
+                (Value::Text(word.clone()), over.node.clone())
+            }
             _ => {
                 let old = Where::of(scope, names);
                 let replacing = Replacing { target: over.target(), scope, file: over.file, unit: "" };
@@ -195,11 +197,11 @@ impl<'a> Resolver<'a> {
                 let meant = meant.map_err(|problem| problem.at(&over.place(), ""))?;
                 over.meant.replace(meant.text);
                 let stack = Vec::new();
-                Evaluation { scope, file: over.file, stack: &stack }.value(&meant.node)?
+                (Evaluation { scope, file: over.file, stack: &stack }.value(&meant.node)?, meant.node)
             }
         };
         replace(&mut value, &names[1..], new).map_err(fail)?;
-        Ok(value)
+        Ok((value, node))
     }
 
     pub(super) fn unknown_override(&self, over: &Override, model: &Model, scope: &Rc<Scope<'a>>) -> Problem {

@@ -12,6 +12,7 @@ use blocksim_block::problem::{FileId, Place, Problem};
 use blocksim_signal::{Part, Value};
 use indexmap::IndexMap;
 
+use crate::replacing;
 use crate::source::Sources;
 use blocksim_syntax::{Name, Node};
 
@@ -42,6 +43,8 @@ struct Entry<'a> {
     declared: Place,
     /// As a file says it, whatever replaced it since.
     written: (FileId, Rc<Node>, Option<Rc<Scope<'a>>>),
+    /// What replaced it or members of it since, with their names below it.
+    replaced: Vec<(Vec<String>, FileId, Rc<Node>)>,
     state: State<'a>,
 }
 
@@ -73,11 +76,28 @@ impl<'a> Scope<'a> {
         self.insert(name, file, node, Some(within.clone()));
     }
 
-    /// Replaces a value by a known one.
-    pub(crate) fn set(&self, name: &str, value: Value) {
+    /// Replaces a value by a known one, of which a member or all was written anew: at the path of `names`, in `file`.
+    pub(crate) fn set(&self, names: &[String], value: Value, file: FileId, node: &Node) {
+        let Some((name, below)) = names.split_first() else { return };
         if let Some(entry) = self.entries.borrow_mut().get_mut(name) {
             entry.state = State::Ready(Ok(value));
+            entry.replaced.push((below.to_vec(), file, Rc::new(node.clone())));
         }
+    }
+
+    /// What replaced a parameter or the member of it with this path, and the names that are left of the path.
+    pub(crate) fn replaced<'n>(
+        self: &Rc<Self>,
+        names: &'n [String],
+    ) -> Option<(replacing::Place<'a>, &'n [String])> {
+        let (name, below) = names.split_first()?;
+        if let Some(entry) = self.entries.borrow().get(name) {
+            let (path, file, node) =
+                entry.replaced.iter().rev().find(|(path, ..)| below.starts_with(path))?;
+            let place = replacing::Place { scope: self.clone(), file: *file, node: node.clone() };
+            return Some((place, &below[path.len()..]));
+        }
+        self.parent.as_ref()?.replaced(names)
     }
 
     fn insert(&self, name: &Name, file: FileId, node: &Node, within: Option<Rc<Scope<'a>>>) {
@@ -87,7 +107,9 @@ impl<'a> Scope<'a> {
         let declared = self.entries.borrow().get(&name.text).map(|entry| entry.declared.clone());
         let declared = declared.unwrap_or_else(|| place.clone());
         let state = State::Written { file, node, within };
-        self.entries.borrow_mut().insert(name.text.clone(), Entry { place, declared, written, state });
+        self.entries
+            .borrow_mut()
+            .insert(name.text.clone(), Entry { place, declared, written, replaced: Vec::new(), state });
     }
 
     /// What a file says of a parameter, with the file and the scope in which that is meant; `None` when no diagram has it.

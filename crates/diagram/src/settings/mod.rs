@@ -27,13 +27,17 @@ static INFO: BlockInfo = BlockInfo {
     category: "",
     symbol: Symbol::Plain,
     doc: "",
-    parameters: &[ParameterInfo {
-        name: "seed",
-        rust_type: "u64",
-        unit: "1",
-        default: Some("0"),
-        ..ParameterInfo::NONE
-    }],
+    parameters: &[
+        ParameterInfo {
+            name: "seed",
+            rust_type: "u64",
+            unit: "1",
+            default: Some("0"),
+            ..ParameterInfo::NONE
+        },
+        // Tolerances are differences.
+        ParameterInfo { name: "atol", is_difference: true, ..ParameterInfo::NONE },
+    ],
     file: file!(),
     line: line!(),
 };

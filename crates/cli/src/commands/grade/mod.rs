@@ -193,17 +193,17 @@ fn one(
         graded.reason = if ran.is_late { late } else { problem(&ran).unwrap_or_default() };
         return Ok(graded);
     }
-    let (abs, rel) = (args.abs.map(|x| x.to_string()), args.rel.map(|x| x.to_string()));
+    let rel = args.rel.map(|x| x.to_string());
     let usual = USUAL.to_string();
     let (picture, page) = (args.out.join(format!("{project}.svg")), args.out.join(format!("{project}.html")));
     let signals = args.signals.join(",");
     let mut words: Vec<&std::ffi::OsStr> =
         vec!["compare".as_ref(), reference.as_os_str(), out.as_os_str(), "--json".as_ref()];
     words.extend(["--svg".as_ref(), picture.as_os_str(), "--html".as_ref(), page.as_os_str()]);
-    match (&abs, &rel) {
-        (None, None) => words.extend(["--rel".as_ref(), std::ffi::OsStr::new(&usual)]),
+    match &rel {
+        None if args.abs.is_empty() => words.extend(["--rel".as_ref(), std::ffi::OsStr::new(&usual)]),
         _ => {
-            abs.iter().for_each(|abs| words.extend(["--abs".as_ref(), std::ffi::OsStr::new(abs)]));
+            args.abs.iter().for_each(|abs| words.extend(["--abs".as_ref(), std::ffi::OsStr::new(abs)]));
             rel.iter().for_each(|rel| words.extend(["--rel".as_ref(), std::ffi::OsStr::new(rel)]));
         }
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use blocksim_block::schedule::{Recorded, Schedule};
 use blocksim_diagram::SourceFile;
-use blocksim_identify::{Fitted, IdentifyError, Model, Stopped, fit};
+use blocksim_identify::{Fitted, IdentifyError, Model, Signal, Stopped, fit_signals};
 use blocksim_recording::ALWAYS;
 use blocksim_signal::{Kind, Unit};
 use blocksim_sim::{Control, Course, SimError, course, sensitivity_on, tangent_on};
@@ -50,8 +50,8 @@ pub struct Compared {
     pub values: Vec<f64>,
     /// Rows that are not compared: before or behind the run, or of more than can be compared.
     pub left_out: usize,
-    /// One over the size of its changes, so that signals of different units count alike.
-    weight: f64,
+    /// The size of its changes, relative to which signals of different units are compared before their noise is known.
+    size: f64,
 }
 
 /// Finds parameters and reports them.
@@ -73,8 +73,8 @@ pub fn parameters(args: &ParametersArgs, console: Console) -> Outcome {
     let stop_time = schedule.settings.stop_time;
     let compared = compared(args, &schedule.recorded, stop_time)?;
     let values: Vec<f64> = compared.iter().flat_map(|signal| &signal.values).copied().collect();
-    let weights: Vec<f64> =
-        compared.iter().flat_map(|signal| vec![signal.weight; signal.values.len()]).collect();
+    let signals: Vec<Signal> =
+        compared.iter().map(|signal| Signal { values: signal.values.len(), size: signal.size }).collect();
     let start: Vec<f64> = parameters.iter().map(|parameter| parameter.value).collect();
     interrupt::take_over();
     let mut runs = Runs {
@@ -89,11 +89,11 @@ pub fn parameters(args: &ParametersArgs, console: Console) -> Outcome {
         refused: None,
         slopes: DMatrix::zeros(0, 0),
     };
-    let fitted = fit(&values, &weights, &start, args.steps, &mut runs);
+    let fitted = fit_signals(&values, &signals, &start, args.steps, &mut runs);
     if console.live && !args.json {
         console.rewrite("");
     }
-    let fitted = fitted.map_err(|stopped| runs.stopped(stopped, &weights))?;
+    let fitted = fitted.map_err(|stopped| runs.stopped(stopped))?;
     let text = report(&runs, &compared, &fitted, &start, args.json);
     console.data(&text)?;
     Ok(Exit::Done)
@@ -171,7 +171,7 @@ fn compared(args: &ParametersArgs, recorded: &[Recorded], stop: f64) -> Result<V
             (0..inside.len()).filter(|at| is_last(*at)).map(|at| inside[at]).collect();
         let step = inside.len().div_ceil(ROWS);
         let (times, values): (Vec<f64>, Vec<f64>) = inside.into_iter().step_by(step).unzip();
-        let (weight, left_out) = (1.0 / size(&values), measured_rows - times.len());
+        let (size, left_out) = (size(&values), measured_rows - times.len());
         found.push(Compared {
             number: *number,
             path: recorded.path.clone(),
@@ -179,7 +179,7 @@ fn compared(args: &ParametersArgs, recorded: &[Recorded], stop: f64) -> Result<V
             times,
             values,
             left_out,
-            weight,
+            size,
         });
     }
     if found.is_empty() {
@@ -398,7 +398,7 @@ impl Runs<'_> {
     }
 
     /// What is said where a fit was stopped.
-    fn stopped(&self, stopped: Stopped<Failure>, weights: &[f64]) -> Failure {
+    fn stopped(&self, stopped: Stopped<Failure>) -> Failure {
         let failed = |said: String| Failure::new(Exit::Failed, "identify", said);
         match stopped {
             Stopped::Model(failure) => failure,
@@ -408,7 +408,7 @@ impl Runs<'_> {
                     .help("give others with --set")
             }
             Stopped::Numbers(IdentifyError::Dependent { .. }) => {
-                let (a, b) = self.most_alike(weights);
+                let (a, b) = self.most_alike();
                 failed(format!(
                     "the measurement cannot separate `{a}` and `{b}`: both change the signals in the same way"
                 ))
@@ -425,13 +425,18 @@ impl Runs<'_> {
     }
 
     /// The two parameters that change the signals most alike.
-    fn most_alike(&self, weights: &[f64]) -> (&str, &str) {
+    fn most_alike(&self) -> (&str, &str) {
+        let weights: Vec<f64> =
+            self.compared.iter().flat_map(|signal| vec![1.0 / signal.size; signal.values.len()]).collect();
         let columns: Vec<DVector<f64>> = self
             .slopes
             .column_iter()
             .map(|column| {
-                DVector::from_iterator(column.len(), column.iter().zip(weights).map(|(x, weight)| x * weight))
-                    .normalize()
+                DVector::from_iterator(
+                    column.len(),
+                    column.iter().zip(&weights).map(|(x, weight)| x * weight),
+                )
+                .normalize()
             })
             .collect();
         let pairs = (0..columns.len()).flat_map(|i| (0..i).map(move |j| (i, j)));

@@ -19,7 +19,7 @@ use crate::running::blame::{reason, warnings};
 use crate::running::solver;
 use crate::signals::display::{Shown, recording, shown, turn};
 use crate::signals::naming::{fits, short_names};
-use crate::signals::tracking::{Tracking, trackings};
+use crate::signals::tracking::{Tracking, are_followed, part, trackings};
 use crate::terminal::console::Console;
 
 /// One number of a run.
@@ -80,7 +80,8 @@ pub fn measure(
     }
     let all: Vec<String> = schedule.recorded.iter().map(|recorded| recorded.path.clone()).collect();
     if place.is_none() {
-        schedule.recorded.retain(|recorded| is_needed(recorded, wanted));
+        let mut follow = are_followed(&schedule.recorded).into_iter();
+        schedule.recorded.retain(|recorded| is_needed(recorded, follow.next() == Some(true), wanted));
     }
     let schedule = Arc::new(schedule);
     let recorded = &schedule.recorded;
@@ -116,10 +117,8 @@ pub fn measure(
     }
 }
 
-/// Whether a signal is needed for anything that is wanted.
-fn is_needed(recorded: &Recorded, wanted: &[Wanted]) -> bool {
-    let port = recorded.path.split_once('.').map_or("", |(_, port)| port);
-    let follows = matches!(port, "set" | "actual");
+/// Whether a signal, which is one of a pair or not, is needed for anything that is wanted.
+fn is_needed(recorded: &Recorded, follows: bool, wanted: &[Wanted]) -> bool {
     let asked = |wanted: &Wanted| match &wanted.pattern {
         _ if wanted.metric.needs_set_value() => follows,
         Some(pattern) => fits(&recorded.path, pattern),
@@ -145,8 +144,16 @@ fn numbers(signals: &[Shown], time: &[f64], wanted: &[Wanted]) -> Vec<Measured> 
             }
             let numbers = metrics(time, Some(&wanted), &there);
             let (value, unit) = of_tracking(metric, numbers, &unit.to_string());
-            let name = if several { name.to_owned() } else { String::new() };
-            Measured { metric, path: pair.scope.to_owned(), name, unit, value }
+            // Of a scope with several pairs each has its own name, and a column of its own.
+            let is_only = pairs.iter().filter(|other| other.scope == pair.scope).count() == 1;
+            let (path, name) = match (several, is_only) {
+                (false, _) => (pair.scope.to_owned(), String::new()),
+                (true, true) => (pair.scope.to_owned(), name.to_owned()),
+                (true, false) => {
+                    (pair.actual.path.to_owned(), format!("{name} {}", part(pair.actual.port())))
+                }
+            };
+            Measured { metric, path, name, unit, value }
         });
         measured.collect()
     };
