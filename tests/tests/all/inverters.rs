@@ -54,6 +54,8 @@ fn a_switching_inverter_gives_the_torque_of_its_mean() {
         ("Sine", "Asymmetric"),
         ("SpaceVector", "Symmetric"),
         ("SpaceVector", "Natural"),
+        ("Discontinuous60", "Natural"),
+        ("Discontinuous30", "Natural"),
     ] {
         let inverter = |integration: &str| {
             format!(
