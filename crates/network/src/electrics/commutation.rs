@@ -25,7 +25,8 @@ pub(crate) const REMAINDER: f64 = 1e-6;
 /// Currents without a path, relative to the largest of the circuit, that are rounding just behind an event.
 const STRUCK: f64 = 1e-14;
 
-/// The same where nothing has changed: currents of inductances in series differ by the errors of the method, as all states do.
+/// The same, relative to the largest of now, where nothing has changed: currents of inductances in series differ by the errors of
+/// the method, as all states do.
 const DRIFTED: f64 = 1e-8;
 
 /// Time in which an event cannot be told from another, s, relative to the time of the simulation if that is larger than 1 s.
@@ -72,7 +73,7 @@ impl Network {
         let most = 8 * circuit.valves.len() + 8;
         for round in 0..most {
             let here = Context { x: &*x, d: &*d, ..*c };
-            let drift = if stirred || changed { STRUCK } else { DRIFTED };
+            let drift = if stirred || changed { 0.0 } else { DRIFTED };
             let wrong = match self.contradiction(island, &here, w, (late, drift), round > most / 2) {
                 Ok(wrong) => wrong,
                 Err(_) => return false,
@@ -126,7 +127,7 @@ impl Network {
     }
 
     /// Evaluates an island and finds what is wrong with its valves. `first` takes the first contradiction instead of the
-    /// greatest, so that no cycle can arise. Currents without a path are those above the part `drift` of all.
+    /// greatest, so that no cycle can arise. Currents up to the part `drift` of all may be without a path.
     fn contradiction(
         &self,
         island: usize,
@@ -160,10 +161,10 @@ impl Network {
         if self.misses(island, c, w) {
             return Ok(Wrong::Charges(conducting));
         }
-        let most_v = self.size(island, w)[0];
+        let [most_v, most_i] = self.size(island, w);
         let lost = self.lost(island, w);
         let so_far = self.size_with(island, c.d, w)[1];
-        if lost <= drift * so_far + NOTHING {
+        if lost <= (STRUCK * so_far).max(drift * most_i) + NOTHING {
             return Ok(match self.worst(island, c, w, conducting, first) {
                 Wrong::Nothing => self.drifting(island, c, w, conducting)?,
                 wrong => wrong,
