@@ -304,7 +304,7 @@ const ALL: [&str; 10] = [
 ];
 
 /// A motor at stall pulls with 6 N*m at what a friction of 8 N*m holds and a sliding one of 2 N*m would not. Implicit methods leave a
-/// speed of 1e-26 rad/s there, which is none: nothing slips but by a torque or a blow.
+/// speed of 1e-26 rad/s there, which is rounding: only a torque or a blow makes it slip.
 #[test]
 fn what_is_held_does_not_slip_by_the_rounding_of_a_speed() {
     let frictions = [

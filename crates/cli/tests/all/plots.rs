@@ -687,7 +687,7 @@ fn a_sampled_angle_goes_on_where_its_scale_begins_again() {
         assert_near(&found, "final_error", 0.9, 0.02);
         assert_near(&found, "iae", 4.5, 1e-3);
     }
-    // A saw of 300 deg is none of the scale: behind each of its jumps a lag of 50 ms has to go back. The error is 150 deg/s times
+    // A sawtooth over 300 deg does not jump by a turn: behind each of its jumps a lag of 50 ms has to go back. The error is 150 deg/s times
     // 50 ms, less what comes of the jumps.
     let blocks = r#""w": Sawtooth(lower: "0 deg", upper: "300 deg", period: 2), "l": LowPass(tau: "50 ms")"#;
     let desk = Desk::with(&[("m.ron", &followed(blocks, 5.0, "w.y", "l.y", r#""w.y -> l.u""#))]);

@@ -75,7 +75,7 @@ pub fn run(files: &[(&str, &str)]) -> Run {
     tried(files).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
-/// A run, or why there is none.
+/// A run, or the reason why it fails.
 pub fn tried(files: &[(&str, &str)]) -> Result<Run, String> {
     let schedule = compiled(files)?;
     let names = schedule.recorded.iter().map(|recorded| recorded.path.clone()).collect();
