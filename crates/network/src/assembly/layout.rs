@@ -268,7 +268,8 @@ impl Network {
         interface.jumps |= !with_valves(&electrics).is_empty();
         interface.jumps |= electrics.characteristics.iter().any(|c| c.guess.is_some());
         if let Some(step) = separate.iter().map(|s| s.step).reduce(f64::min) {
-            interface = interface.sampled(step).subdivides();
+            // Torques follow a line within a coupling step or a part of it, though nothing else may move.
+            interface = interface.sampled(step).subdivides().uses_time();
         }
         let accounts = Accounts::new(&seats, frames.payloads.len(), &mut interface);
         let mut network = Self {
