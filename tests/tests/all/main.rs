@@ -11,6 +11,7 @@ mod capacitor_loops;
 mod causes;
 mod central_control;
 mod characteristics;
+mod charges;
 mod circuits;
 mod commutation;
 mod contacts;

@@ -33,7 +33,7 @@ use crate::events::looks::Looks;
 /// Crossings in a row, without time getting on, after which nobody looks whether a guard turns back at once: near the start of a
 /// step the dense output is off by a little of what the whole step changes, and where all is nearly at rest that looks like
 /// turning back.
-const HASTE: u32 = 16;
+pub(crate) const HASTE: u32 = 16;
 
 /// Where to look just behind the start of a step, in parts of the step: twice, as a step may be very long.
 const NEAR: [f64; 2] = [1.0 / (1_u64 << 40) as f64, 1.0 / (1_u64 << 20) as f64];

@@ -66,6 +66,11 @@ impl Departure {
         Self { steps: FixedStep::ode5(states, f64::INFINITY), x: zeros(), dense: zeros() }
     }
 
+    /// Room for states, twice.
+    pub fn rooms(&mut self) -> (&mut [f64], &mut [f64]) {
+        (&mut self.dense, &mut self.x)
+    }
+
     /// Goes from the states `x0` at `t0` to `end`.
     fn go(&mut self, diagram: &mut Diagram, t0: f64, x0: &[f64], end: f64) -> Result<(), StepError> {
         self.x.copy_from_slice(x0);

@@ -1,6 +1,7 @@
 //! Zero crossings of guards, and all else that has to be found within a step.
 
 pub(crate) mod audit;
+mod confirm;
 pub(crate) mod crossings;
 pub(crate) mod departure;
 pub(crate) mod guards;

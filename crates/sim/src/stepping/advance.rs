@@ -120,6 +120,7 @@ impl Simulation {
             self.repeat(t0, before.t)?;
             cut = self.crossing(t0)?;
         }
+        let cut = self.confirm(t0, cut)?;
         let stride = Stride { t0, t1: self.t, stepper: self.stepper.as_deref() };
         if let Some(audit) = &mut self.audit
             && !self.guards.is_empty()
