@@ -267,6 +267,10 @@ impl<M: Method> Adaptive<M> {
                 Ok(()) => self.weights.norm(&self.x0, &self.x1, &self.error, trial.h),
                 Err(_) => f64::INFINITY,
             };
+            let is_first_move = || self.weights.is_first_move(&self.x0, &self.x1, &self.error, trial.h);
+            if err > 1.0 && attempt.is_ok() && self.control.is_smallest(trial) && is_first_move() {
+                err = 1.0;
+            }
             if err <= 1.0 {
                 attempt = self.method.finish(&mut work, trial.into(), &self.x0, &self.x1);
                 err = if attempt.is_ok() { err } else { f64::INFINITY };

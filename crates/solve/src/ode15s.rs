@@ -252,13 +252,14 @@ impl Ode15s {
                 let Self { newton: Newton { step, correction, .. }, x0, x1, weights, .. } = self;
                 correction.iter_mut().zip(&*step).for_each(|(e, d)| *e = constant * d);
                 let err = weights.norm(x0, x1, correction, span.h);
-                if err <= 1.0 {
-                    self.keep(span, err, cut.then_some(wanted));
+                let is_smallest = span.h <= smallest(t, self.limits.min);
+                if err <= 1.0 || is_smallest && weights.is_first_move(x0, x1, correction, span.h) {
+                    self.keep(span, err.min(1.0), cut.then_some(wanted));
                     return Ok(());
                 }
                 failures += 1;
                 self.counts.rejected += 1;
-                if span.h <= smallest(t, self.limits.min) {
+                if is_smallest {
                     let state = self.weights.worst(&self.x0, &self.x1, &self.newton.correction, span.h);
                     return Err(StepError::Underflow { t, h: span.h, state });
                 }

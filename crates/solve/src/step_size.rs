@@ -90,6 +90,11 @@ impl StepSize {
         }
     }
 
+    /// Whether no shorter step than the trial is worth trying.
+    pub fn is_smallest(&self, trial: Trial) -> bool {
+        trial.h <= smallest(trial.t0, self.limits.min)
+    }
+
     /// The trial was kept with the error `err <= 1`.
     pub fn accept(&mut self, trial: Trial, err: f64) {
         // The powers by their logarithms, of which that of the error before is known.
@@ -121,7 +126,7 @@ impl StepSize {
         let factor = if err.is_finite() { factor.clamp(SHRINK, 1.0) } else { SHRINK };
         self.learnt.wanted = Some((trial.h * factor).max(floor));
         self.learnt.rejected = true;
-        trial.h > floor
+        !self.is_smallest(trial)
     }
 }
 

@@ -275,6 +275,18 @@ impl Weights {
         if norm.is_finite() { norm } else { f64::INFINITY }
     }
 
+    /// Whether the error of a step, which no shorter one can make less, is too large only for states that have hardly ever moved: where a
+    /// jump of f sets them in motion, each new value is as large as its error. Both are compared with the largest of all states, so
+    /// that a pole is not passed over.
+    pub fn is_first_move(&self, x0: &[f64], x1: &[f64], error: &[f64], h: f64) -> bool {
+        let Some(learnt) = &self.learnt else { return false };
+        (0..error.len()).all(|i| {
+            let unit = self.scale(i, x0[i].abs().max(x1[i].abs()), h);
+            let most = learnt.ever[i].max(x1[i].abs()).max(error[i].abs());
+            x1[i].is_finite() && (error[i].abs() <= unit || most <= DWARF * learnt.largest)
+        })
+    }
+
     /// The state with the maximum error, or the first one that is not finite.
     pub fn worst(&self, x0: &[f64], x1: &[f64], error: &[f64], h: f64) -> usize {
         let first = self.first(x1);

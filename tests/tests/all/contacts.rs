@@ -131,3 +131,70 @@ fn a_contact_that_sets_in_within_a_step_is_not_passed_over() {
         close(run.last("show.across"), 3.887014408, 3e-4, solver);
     }
 }
+
+/// A driven mass takes another one along through play with a damper, whose torque jumps at each touch. The other one has stood still
+/// until then, so that nothing tells how exactly it is to be followed.
+#[test]
+fn play_with_a_damper_takes_along_what_has_stood_still() {
+    let (drive, j, taken, k, d, half) = (5.0, 0.33, 0.01, 2000.0, 1.0, 1_f64.to_radians());
+    // The same by small steps, of which none passes a contact: each is cut where it begins or ends.
+    let torque = |phi: f64, w: f64| {
+        let side = phi.signum();
+        side * (k * (phi.abs() - half) + d * side * w)
+    };
+    let (mut x, mut t, mut touches, mut changes) = ([0.0; 4], 0.0, false, 0);
+    let apart = |x: &[f64; 4]| {
+        let (phi, w) = (x[0] - x[2], x[1] - x[3]);
+        -(phi.abs() - half + d / k * (phi.signum() * w).min(0.0))
+    };
+    let step = |x: [f64; 4], touches: bool, h: f64| {
+        let slopes = |x: [f64; 4]| {
+            let tau = if touches { torque(x[0] - x[2], x[1] - x[3]) } else { 0.0 };
+            [x[1], (drive - tau) / j, x[3], tau / taken]
+        };
+        let along = |k: [f64; 4], h: f64| std::array::from_fn::<f64, 4, _>(|i| x[i] + h * k[i]);
+        let k1 = slopes(x);
+        let k2 = slopes(along(k1, 0.5 * h));
+        let k3 = slopes(along(k2, 0.5 * h));
+        let k4 = slopes(along(k3, h));
+        std::array::from_fn::<f64, 4, _>(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+    };
+    while t < 1.0 {
+        let h = f64::min(1e-5, 1.0 - t);
+        let next = step(x, touches, h);
+        if (apart(&next) < 0.0) == touches {
+            (x, t) = (next, t + h);
+            continue;
+        }
+        let (mut early, mut late) = (0.0, h);
+        for _ in 0..60 {
+            let middle = 0.5 * (early + late);
+            if (apart(&step(x, touches, middle)) < 0.0) == touches { early = middle } else { late = middle }
+        }
+        (x, t, touches, changes) = (step(x, touches, late), t + late, !touches, changes + 1);
+    }
+    assert_eq!(changes, 13);
+    let blocks = format!(
+        r#""drive": Constant(value: {drive:?}), "source": IdealTorqueSource, "motor": Inertia(j: {j:?}), "case": RotationalReference,
+           "play": RotationalSpringDamper(k: {k:?}, d: {d:?}, backlash: "2 deg"), "taken": Inertia(j: {taken:?}),
+           "look": MotionSensor, "scope": Scope(inputs: ["phi", "w"])"#
+    );
+    let wires = r#""drive.y -> source.tau", "source.r <-> motor.r <-> play.r", "play.c <-> taken.r <-> look.r",
+        "source.c <-> look.c <-> case.r", "look.phi -> scope.phi", "look.w -> scope.w""#;
+    for solver in
+        ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "Ode23tb", "Ode23t", "RosW3"]
+    {
+        for (rtol, tolerance) in [("1e-4", 3e-2), ("1e-6", 3e-4), ("1e-8", 3e-6)] {
+            let what = format!("{solver} {rtol}");
+            let run = run_blocks("1 s", &format!("{solver}(rtol: {rtol})"), &blocks, wires);
+            close(run.last("scope.phi"), x[2], tolerance, &what);
+            close(run.last("scope.w"), x[3], tolerance, &what);
+            // Near rest a touch more or less is within the tolerance.
+            assert!(
+                run.events.len().abs_diff(changes) <= if rtol == "1e-4" { 2 } else { 0 },
+                "{what}: {:?}",
+                run.events
+            );
+        }
+    }
+}

@@ -246,6 +246,12 @@ impl Point {
             places,
         };
         point.electrics();
+        if point.part.discrete.iter().any(|state| state.changes.is_some()) {
+            // Modes fit the states.
+            let (mut x, mut d) = (point.x.clone(), point.d.clone());
+            block.component().expect("a component").jump(&point.law(), &mut x, &mut d);
+            point.d = d;
+        }
         point
     }
 

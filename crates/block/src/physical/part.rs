@@ -4,7 +4,7 @@ use blocksim_scene::Shape;
 use blocksim_signal::Unit;
 
 use super::{Component, Domain, Element, Gives, Handle, Moving, PhysicalPort, Pin, Reading};
-use crate::event::{Change, Event, FRICTION};
+use crate::event::{Change, Event, FRICTION, Subject};
 use crate::{Crossing, Discrete, Guard, Input, Interface, Output, State};
 
 /// What an output of a component needs before it can be computed.
@@ -187,6 +187,14 @@ impl Part {
     pub fn discrete(mut self, name: &str, initial: f64) -> Self {
         self.discrete.push(Discrete::new(name, initial));
         self
+    }
+
+    /// Adds a mode, 0 at the start: a discrete state that the component changes in [`Component::jump`](super::Component::jump), with
+    /// names for its changes, and a guard that is not negative while the mode is right.
+    pub fn mode(mut self, name: &str, changes: &'static [Change]) -> Self {
+        self.discrete.push(Discrete::new(name, 0.0).changes(changes, Subject::default()));
+        self.guards.push(Guard { event: Event::Mode, ..Guard::new(name, Crossing::Holds) });
+        self.jumps()
     }
 
     /// Steps may not be longer than this, s, where valves conduct by themselves.

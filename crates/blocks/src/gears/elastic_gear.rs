@@ -83,15 +83,19 @@ impl Component for ElasticGear {
     }
 
     fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
-        tau[0] = self.shaft().load(c.x[0], c.speed[0]);
+        tau[0] = self.shaft().load(c.x[0], c.speed[0], c.d);
     }
 
     fn mesh_losses(&self, _c: &Flowing, _speed: &[f64], losses: &mut [DryMesh]) {
         losses.fill(self.losses.mesh().dry());
     }
 
+    fn jump(&self, c: &Flowing, _x: &mut [f64], d: &mut [f64]) -> bool {
+        self.shaft().settle(c.x[0], c.speed[0], d)
+    }
+
     fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        self.shaft().guards(c.x[0], c.speed[0], g);
+        self.shaft().guards(c.x[0], c.speed[0], c.d, g);
     }
 
     fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
@@ -99,7 +103,7 @@ impl Component for ElasticGear {
     }
 
     fn energy(&self, c: &Flowing) -> Energy {
-        self.shaft().energy(c.x[0], c.speed[0])
+        self.shaft().energy(c.x[0], c.speed[0], c.d)
     }
 }
 

@@ -142,7 +142,7 @@ impl Component for HydraulicCylinder {
     }
 
     fn torques(&self, c: &Flowing, f: &mut [Torque]) {
-        let stop = self.travel().load(c.x[X], c.speed[0]);
+        let stop = self.travel().load(c.x[X], c.speed[0], c.d);
         // What the piston takes from the fluid, and nothing else, drives it.
         let drive = self.area_a * c.voltage(PISTON_A) - self.area_b * c.voltage(PISTON_B);
         let value = stop.value + self.damping * c.speed[0] - drive;
@@ -154,15 +154,20 @@ impl Component for HydraulicCylinder {
         dx.copy_from_slice(&[c.current(CHAMBER_A) / of_a, c.current(CHAMBER_B) / of_b, c.speed[0]]);
     }
 
+    fn jump(&self, c: &Flowing, _x: &mut [f64], d: &mut [f64]) -> bool {
+        self.travel().settle(c.x[X], c.speed[0], d)
+    }
+
     fn guards(&self, c: &Flowing, g: &mut [f64]) {
-        self.travel().guards(c.x[X], c.speed[0], g);
+        self.travel().guards(c.x[X], c.speed[0], c.d, g);
     }
 
     fn energy(&self, c: &Flowing) -> Energy {
         let [of_a, of_b] = self.capacities();
         let stored = 0.5 * (of_a * c.x[A] * c.x[A] + of_b * c.x[B] * c.x[B]);
         let lost = self.damping * c.speed[0] * c.speed[0];
-        self.travel().energy(c.x[X], c.speed[0]) + Energy { stored, dissipated: lost, ..Energy::default() }
+        self.travel().energy(c.x[X], c.speed[0], c.d)
+            + Energy { stored, dissipated: lost, ..Energy::default() }
     }
 
     fn measure_state(&self, c: &Moving, y: &mut [f64]) {

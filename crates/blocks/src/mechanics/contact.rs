@@ -21,40 +21,29 @@ pub struct SpringDamper {
 }
 
 impl ElasticLaw for SpringDamper {
-    fn load(&self, deflection: f64, speed: f64) -> Torque {
+    fn load(&self, deflection: f64, speed: f64, touches: &[f64]) -> Torque {
         if self.backlash == 0.0 {
             return Torque { value: self.k * deflection + self.d * speed, slope: self.d };
         }
-        let side = deflection.signum();
-        let push = self.flank().push(deflection.abs() - 0.5 * self.backlash, side * speed);
-        Torque { value: side * push.value, slope: push.slope }
+        self.sides(deflection, speed).load(touches)
     }
 
-    fn energy(&self, deflection: f64, speed: f64) -> Energy {
+    fn energy(&self, deflection: f64, speed: f64, touches: &[f64]) -> Energy {
         if self.backlash == 0.0 {
             return spring_energy(self.k, self.d, deflection, speed);
         }
-        let side = deflection.signum();
-        self.flank().energy(deflection.abs() - 0.5 * self.backlash, side * speed)
+        self.sides(deflection, speed).energy(touches)
     }
 
     fn events(&self, part: Part) -> Part {
         if self.backlash == 0.0 {
             return part;
         }
-        with_firm(
-            part.kink("lower_flank", "leaves the lower flank", "touches the lower flank").kink(
-                "upper_flank",
-                "leaves the upper flank",
-                "touches the upper flank",
-            ),
-            self.transition,
-        )
+        with_sides(part, &self.flank(), [("lower_flank", LOWER_FLANK), ("upper_flank", UPPER_FLANK)])
     }
 
-    fn guards(&self, deflection: f64, speed: f64, g: &mut [f64]) {
-        let depths = [-1.0, 1.0].map(|side| (side * deflection - 0.5 * self.backlash, side * speed));
-        write_distances(&self.flank(), depths, g);
+    fn distances(&self, deflection: f64, speed: f64, g: &mut [f64]) {
+        self.sides(deflection, speed).write_distances(g);
     }
 }
 
@@ -68,6 +57,11 @@ impl SpringDamper {
         JointLimit { stiffness: self.k, damping: self.d, transition: self.transition }
     }
 
+    fn sides(&self, deflection: f64, speed: f64) -> Sides {
+        let depths = [-1.0, 1.0].map(|side| (side * deflection - 0.5 * self.backlash, side * speed));
+        Sides { law: self.flank(), depths }
+    }
+
     /// Reports a law of flanks where there are none.
     pub(crate) fn validate(&self, errors: &mut ParamErrors) {
         if self.backlash == 0.0 && self.transition > 0.0 {
@@ -78,9 +72,29 @@ impl SpringDamper {
     }
 }
 
-/// Adds the places where two contacts have set in, if they do so over a width.
-fn with_firm(part: Part, transition: f64) -> Part {
-    if transition == 0.0 {
+/// What it is called where a side touches, and where it no longer does.
+type Words = [Change; 2];
+
+const LOWER_FLANK: &Words =
+    &[Change::to(1.0, "touches the lower flank"), Change::to(0.0, "leaves the lower flank")];
+const UPPER_FLANK: &Words =
+    &[Change::to(1.0, "touches the upper flank"), Change::to(0.0, "leaves the upper flank")];
+const LOWER_END: &Words =
+    &[Change::to(1.0, "touches the lower end"), Change::to(0.0, "leaves the lower end")];
+const UPPER_END: &Words =
+    &[Change::to(1.0, "touches the upper end"), Change::to(0.0, "leaves the upper end")];
+
+/// Adds the events of two sides: modes if the torque jumps there, else kinks, and behind them the places where they have set in, if they
+/// do so over a width.
+fn with_sides(mut part: Part, law: &JointLimit, sides: [(&str, &'static Words); 2]) -> Part {
+    for (name, words) in sides {
+        let [touches, leaves] = words;
+        part = match law.is_sudden() {
+            true => part.mode(name, words),
+            false => part.kink(name, leaves.phrase, touches.phrase),
+        };
+    }
+    if law.transition == 0.0 {
         return part;
     }
     part.kink("lower_firm", "yields at the lower contact", "presses fully at the lower contact").kink(
@@ -90,12 +104,40 @@ fn with_firm(part: Part, transition: f64) -> Part {
     )
 }
 
-/// How far two contacts are from pressing, at depths and rates, and behind that how far they are from having set in, if they do
-/// so over a width.
-fn write_distances(law: &JointLimit, depths: [(f64, f64); 2], g: &mut [f64]) {
-    let apart = depths.map(|(depth, rate)| law.apart(depth, rate));
-    let firm = depths.into_iter().filter_map(|(depth, _)| law.firm(depth));
-    g.iter_mut().zip(apart.into_iter().chain(firm)).for_each(|(g, distance)| *g = distance);
+/// Two sides of the same law, the lower and the upper one, with their depths and rates.
+struct Sides {
+    law: JointLimit,
+    depths: [(f64, f64); 2],
+}
+
+impl Sides {
+    /// Torque of the upper side less that of the lower one.
+    fn load(&self, touches: &[f64]) -> Torque {
+        let push = |side: usize| {
+            let (depth, rate) = self.depths[side];
+            match touches.get(side) {
+                Some(touches) => self.law.held(*touches != 0.0, depth, rate),
+                None => self.law.push(depth, rate),
+            }
+        };
+        let [below, above] = [push(0), push(1)];
+        Torque { value: above.value - below.value, slope: above.slope + below.slope }
+    }
+
+    fn energy(&self, touches: &[f64]) -> Energy {
+        let energy = |side: usize| {
+            let (depth, rate) = self.depths[side];
+            self.law.energy(touches.get(side).map(|touches| *touches != 0.0), depth, rate)
+        };
+        energy(0) + energy(1)
+    }
+
+    /// How far they are from pressing, and behind that how far they are from having set in, if they do so over a width.
+    fn write_distances(&self, g: &mut [f64]) {
+        let apart = self.depths.map(|(depth, rate)| self.law.apart(depth, rate));
+        let firm = self.depths.into_iter().filter_map(|(depth, _)| self.law.firm(depth));
+        g.iter_mut().zip(apart.into_iter().chain(firm)).for_each(|(g, distance)| *g = distance);
+    }
 }
 
 /// Free between two positions, a spring and a damper beyond them.
@@ -108,29 +150,26 @@ pub struct Travel {
 }
 
 impl ElasticLaw for Travel {
-    fn load(&self, position: f64, speed: f64) -> Torque {
-        let above = self.end.push(position - self.upper, speed);
-        let below = self.end.push(self.lower - position, -speed);
-        Torque { value: above.value - below.value, slope: above.slope + below.slope }
+    fn load(&self, position: f64, speed: f64, touches: &[f64]) -> Torque {
+        self.sides(position, speed).load(touches)
+    }
+
+    fn energy(&self, position: f64, speed: f64, touches: &[f64]) -> Energy {
+        self.sides(position, speed).energy(touches)
     }
 
     fn events(&self, part: Part) -> Part {
-        with_firm(
-            part.kink("lower", "leaves the lower end", "touches the lower end").kink(
-                "upper",
-                "leaves the upper end",
-                "touches the upper end",
-            ),
-            self.end.transition,
-        )
+        with_sides(part, &self.end, [("lower", LOWER_END), ("upper", UPPER_END)])
     }
 
-    fn guards(&self, position: f64, speed: f64, g: &mut [f64]) {
-        write_distances(&self.end, [(self.lower - position, -speed), (position - self.upper, speed)], g);
+    fn distances(&self, position: f64, speed: f64, g: &mut [f64]) {
+        self.sides(position, speed).write_distances(g);
     }
+}
 
-    fn energy(&self, position: f64, speed: f64) -> Energy {
-        self.end.energy(position - self.upper, speed) + self.end.energy(self.lower - position, -speed)
+impl Travel {
+    fn sides(&self, position: f64, speed: f64) -> Sides {
+        Sides { law: self.end, depths: [(self.lower - position, -speed), (position - self.upper, speed)] }
     }
 }
 
@@ -149,20 +188,20 @@ mod tests {
 
     #[test]
     fn without_backlash_it_is_a_spring_and_a_damper_in_both_directions() {
-        assert_eq!(SHAFT.load(0.25, -30.0), Torque { value: -35.0, slope: 2.0 });
-        assert_eq!(SHAFT.load(-0.25, 1.0), Torque { value: -23.0, slope: 2.0 });
+        assert_eq!(SHAFT.load(0.25, -30.0, &[]), Torque { value: -35.0, slope: 2.0 });
+        assert_eq!(SHAFT.load(-0.25, 1.0, &[]), Torque { value: -23.0, slope: 2.0 });
     }
 
     #[test]
     fn within_the_play_nothing_is_transmitted_and_flanks_never_pull() {
         for phi in [-0.25, -0.1, 0.0, 0.2, 0.25] {
-            assert_eq!(LOOSE.load(phi, 40.0).value, 0.0);
-            assert_eq!(LOOSE.load(phi, 40.0).slope, 0.0);
+            assert_eq!(LOOSE.load(phi, 40.0, &[]).value, 0.0);
+            assert_eq!(LOOSE.load(phi, 40.0, &[]).slope, 0.0);
         }
-        assert_eq!(LOOSE.load(0.5, 3.0), Torque { value: 31.0, slope: 2.0 });
-        assert_eq!(LOOSE.load(-0.5, -3.0), Torque { value: -31.0, slope: 2.0 });
-        assert_eq!(LOOSE.load(0.5, -13.0).value, 0.0, "the flanks part");
-        assert_eq!(LOOSE.load(-0.5, 13.0).slope, 0.0, "the flanks part");
+        assert_eq!(LOOSE.load(0.5, 3.0, &[]), Torque { value: 31.0, slope: 2.0 });
+        assert_eq!(LOOSE.load(-0.5, -3.0, &[]), Torque { value: -31.0, slope: 2.0 });
+        assert_eq!(LOOSE.load(0.5, -13.0, &[]).value, 0.0, "the flanks part");
+        assert_eq!(LOOSE.load(-0.5, 13.0, &[]).slope, 0.0, "the flanks part");
     }
 
     #[test]
@@ -173,12 +212,12 @@ mod tests {
                 let phi = 0.037 * f64::from(i);
                 let mut g = [0.0; 2];
                 for law in [LOOSE, damper, SpringDamper { transition: 0.1, ..LOOSE }] {
-                    law.guards(phi, w, &mut g);
-                    let load = law.load(phi, w).value;
+                    law.distances(phi, w, &mut g);
+                    let load = law.load(phi, w, &[]).value;
                     assert_eq!([load < 0.0, load > 0.0], g.map(|g| g < 0.0), "{law:?}: {phi}, {w}");
                 }
-                STOP.guards(phi, w, &mut g);
-                let load = STOP.load(phi, w).value;
+                STOP.distances(phi, w, &mut g);
+                let load = STOP.load(phi, w, &[]).value;
                 assert_eq!([load < 0.0, load > 0.0], g.map(|g| g < 0.0), "{phi}, {w}");
             }
         }
@@ -189,8 +228,9 @@ mod tests {
         let soft = SpringDamper { transition: 0.2, ..LOOSE };
         for (phi, w) in [(0.3, 1.0), (0.35, -2.0), (-0.4, -0.5), (0.9, 4.0)] {
             let h = 1e-5;
-            let difference = (soft.load(phi, w + h).value - soft.load(phi, w - h).value) / (2.0 * h);
-            assert!((soft.load(phi, w).slope - difference).abs() < 1e-8, "{phi}, {w}");
+            let difference =
+                (soft.load(phi, w + h, &[]).value - soft.load(phi, w - h, &[]).value) / (2.0 * h);
+            assert!((soft.load(phi, w, &[]).slope - difference).abs() < 1e-8, "{phi}, {w}");
         }
     }
 
@@ -214,17 +254,17 @@ mod tests {
         // Penetration, rad, and the smooth step over a width of 0.1 rad.
         for (depth, onset) in [(0.0, 0.0), (0.025, 0.15625), (0.05, 0.5), (0.075, 0.84375), (0.1, 1.0)] {
             let torque = onset * 1000.0 * depth;
-            assert!((STOP.load(1.0 + depth, 0.0).value - torque).abs() < 1e-11, "{depth}");
-            assert!((STOP.load(-0.5 - depth, 0.0).value + torque).abs() < 1e-11, "{depth}");
+            assert!((STOP.load(1.0 + depth, 0.0, &[]).value - torque).abs() < 1e-11, "{depth}");
+            assert!((STOP.load(-0.5 - depth, 0.0, &[]).value + torque).abs() < 1e-11, "{depth}");
         }
     }
 
     #[test]
     fn between_the_ends_it_is_free_and_beyond_them_it_never_pulls() {
-        assert_eq!(STOP.load(0.9, 100.0), Torque::default());
-        assert_eq!(STOP.load(1.2, -11.0), Torque::default(), "moving out fast");
-        assert_eq!(STOP.load(1.25, 1.0), Torque { value: 270.0, slope: 20.0 });
-        assert_eq!(STOP.load(-0.75, -1.0), Torque { value: -270.0, slope: 20.0 });
+        assert_eq!(STOP.load(0.9, 100.0, &[]), Torque::default());
+        assert_eq!(STOP.load(1.2, -11.0, &[]), Torque::default(), "moving out fast");
+        assert_eq!(STOP.load(1.25, 1.0, &[]), Torque { value: 270.0, slope: 20.0 });
+        assert_eq!(STOP.load(-0.75, -1.0, &[]), Torque { value: -270.0, slope: 20.0 });
     }
 
     #[test]

@@ -7,18 +7,41 @@ use blocksim_block::prelude::*;
 use super::quantities::Quantities;
 
 /// What a deflection and its speed transmit. Units are those of rotation; in translation m, m/s and N.
+///
+/// Where the torque jumps as two sides meet, it is a discrete state of each side whether it touches, 1, or not, 0: steps then see
+/// one side of the jump alone. Elsewhere `touches` is empty.
 pub trait ElasticLaw: Debug + Send + Sync + 'static {
     /// Torque from `r` to `c`.
-    fn load(&self, deflection: f64, speed: f64) -> Torque;
+    fn load(&self, deflection: f64, speed: f64, touches: &[f64]) -> Torque;
 
     /// Energy that is stored, and what becomes heat.
-    fn energy(&self, deflection: f64, speed: f64) -> Energy;
+    fn energy(&self, deflection: f64, speed: f64, touches: &[f64]) -> Energy;
 
-    /// Adds the events where the law has kinks.
+    /// Adds the events where the law has kinks or jumps.
     fn events(&self, part: Part) -> Part;
 
-    /// How far these are.
-    fn guards(&self, deflection: f64, speed: f64, g: &mut [f64]);
+    /// How far these are: those of the sides first, negative where they press.
+    fn distances(&self, deflection: f64, speed: f64, g: &mut [f64]);
+
+    /// The guards: distances, and for a side that is known to touch how deep it is.
+    fn guards(&self, deflection: f64, speed: f64, touches: &[f64], g: &mut [f64]) {
+        self.distances(deflection, speed, g);
+        g.iter_mut().zip(touches).filter(|(_, touches)| **touches != 0.0).for_each(|(g, _)| *g = -*g);
+    }
+
+    /// Finds which sides touch; returns whether any has changed.
+    fn settle(&self, deflection: f64, speed: f64, touches: &mut [f64]) -> bool {
+        let mut changed = false;
+        if let [lower, upper] = touches {
+            let mut apart = [0.0; 2];
+            self.distances(deflection, speed, &mut apart);
+            // At zero itself a side stays what it is.
+            for (touches, apart) in [lower, upper].into_iter().zip(apart).filter(|(_, apart)| *apart != 0.0) {
+                changed |= std::mem::replace(touches, f64::from(apart < 0.0)) != f64::from(apart < 0.0);
+            }
+        }
+        changed
+    }
 }
 
 /// An elastic part.
@@ -36,11 +59,15 @@ impl<L: ElasticLaw> Component for Elastic<L> {
     }
 
     fn torques(&self, c: &Flowing, tau: &mut [Torque]) {
-        tau[0] = self.law.load(c.x[0], c.speed[0]);
+        tau[0] = self.law.load(c.x[0], c.speed[0], c.d);
+    }
+
+    fn jump(&self, c: &Flowing, _x: &mut [f64], d: &mut [f64]) -> bool {
+        self.law.settle(c.x[0], c.speed[0], d)
     }
 
     fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        self.law.guards(c.x[0], c.speed[0], g);
+        self.law.guards(c.x[0], c.speed[0], c.d, g);
     }
 
     fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
@@ -48,6 +75,6 @@ impl<L: ElasticLaw> Component for Elastic<L> {
     }
 
     fn energy(&self, c: &Flowing) -> Energy {
-        self.law.energy(c.x[0], c.speed[0])
+        self.law.energy(c.x[0], c.speed[0], c.d)
     }
 }

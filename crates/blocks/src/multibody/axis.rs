@@ -73,8 +73,8 @@ impl Inside {
 
     /// What spring, damper and both ends of travel store and turn into heat.
     pub(crate) fn energy(&self, q: f64, w: f64) -> Energy {
-        let above = self.upper.map(|upper| self.limit.energy(q - upper, w));
-        let below = self.lower.map(|lower| self.limit.energy(lower - q, -w));
+        let above = self.upper.map(|upper| self.limit.energy(None, q - upper, w));
+        let below = self.lower.map(|lower| self.limit.energy(None, lower - q, -w));
         let inside = spring_energy(self.stiffness, self.damping, q - self.equilibrium, w);
         inside + above.unwrap_or_default() + below.unwrap_or_default()
     }

@@ -36,6 +36,19 @@ impl JointLimit {
         Torque { value, slope: onset * self.damping }
     }
 
+    /// Whether the torque jumps where the limit is reached: a damper that sets in at once.
+    pub(crate) fn is_sudden(&self) -> bool {
+        self.damping > 0.0 && self.transition == 0.0
+    }
+
+    /// The same as [`push`](Self::push), where a law that [is sudden](Self::is_sudden) is held on one side between events.
+    pub(crate) fn held(&self, touches: bool, depth: f64, rate: f64) -> Torque {
+        if !touches {
+            return Torque::default();
+        }
+        Torque { value: self.stiffness * depth + self.damping * rate, slope: self.damping }
+    }
+
     /// How far from pressing: negative while [`push`](Self::push) is above zero, zero where it sets in and where it ends, which
     /// is before the parts are away from each other if a damper holds them back.
     pub(crate) fn apart(&self, depth: f64, rate: f64) -> f64 {
@@ -52,8 +65,8 @@ impl JointLimit {
     }
 
     /// Energy of the spring, and heat of the damper. Where the damper would pull, the parts let go of each other, and
-    /// what the spring still holds becomes heat while it relaxes by itself.
-    pub(crate) fn energy(&self, depth: f64, rate: f64) -> Energy {
+    /// what the spring still holds becomes heat while it relaxes by itself. Whether it `touches` is known where the law is held.
+    pub(crate) fn energy(&self, touches: Option<bool>, depth: f64, rate: f64) -> Energy {
         if depth <= 0.0 {
             return Energy::default();
         }
@@ -62,7 +75,7 @@ impl JointLimit {
         let soft = if x > 0.0 { x * x * (x / b).powi(2) * (0.75 - 0.4 * x / b) } else { 0.0 };
         let stored = self.stiffness * (soft + 0.5 * (depth * depth - x * x));
         let onset = self.onset(depth);
-        let touches = self.push(depth, rate).value > 0.0;
+        let touches = touches.unwrap_or_else(|| self.push(depth, rate).value > 0.0);
         let heat = if touches { self.damping * rate * rate } else { -self.stiffness * depth * rate };
         Energy { stored, dissipated: onset * heat, ..Energy::default() }
     }

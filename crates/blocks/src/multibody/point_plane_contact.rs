@@ -109,7 +109,7 @@ impl Component for PointPlaneContact {
     fn energy(&self, c: &Flowing) -> Energy {
         let touch = self.touch(c.frames);
         let grip = self.grip(touch.normal, touch.slip);
-        self.ground().energy(touch.depth, -touch.rise) + Energy::dissipated(grip * touch.slip)
+        self.ground().energy(None, touch.depth, -touch.rise) + Energy::dissipated(grip * touch.slip)
     }
 
     fn measure_state(&self, c: &Moving, y: &mut [f64]) {

@@ -406,13 +406,17 @@ fn free(
         let name = format!("{}.{}", member.path, state.name);
         interface.states.push(State { name, ..state.clone() });
     }
+    let of_member = |subject: &Subject| Subject { part: Some(member.path.clone()), ..subject.clone() };
     for memory in &part.discrete {
-        *interface =
-            std::mem::take(interface).discrete(format!("{}.{}", member.path, memory.name()), memory.initial);
+        let own = Discrete::new(format!("{}.{}", member.path, memory.name()), memory.initial);
+        interface.discrete.push(match &memory.changes {
+            Some(changes) => own.changes(changes.table, of_member(&changes.subject)),
+            None => own,
+        });
     }
     for guard in &part.guards {
         let name = format!("{}.{}", member.path, guard.name);
-        let subject = Subject { part: Some(member.path.clone()), ..guard.subject.clone() };
+        let subject = of_member(&guard.subject);
         interface.guards.push(Guard { name, subject, ..guard.clone() });
     }
     interface.jumps |= part.jumps;
