@@ -105,6 +105,11 @@ fn a_slider_with_dry_friction_goes_through_its_dead_centres() {
             ("RosW3(rtol: 1e-7)", 1e-3),
             ("Rodas4(rtol: 1e-7)", 1e-3),
             ("Ode4(step: 5e-4)", 2e-2),
+            // What the loop has drifted is no rest.
+            ("Auto(rtol: 1e-4)", 1e-2),
+            ("Ode15s(rtol: 1e-4)", 1e-1),
+            ("Ode23t(rtol: 1e-5)", 1e-1),
+            ("Ode23tb(rtol: 1e-5)", 1e-1),
         ] {
             let run = run_blocks(
                 if force < 10.0 { "7 s" } else { "2 s" },

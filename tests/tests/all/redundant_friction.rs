@@ -1,6 +1,6 @@
 //! Several dry frictions that hold the same parts: what they bear together, against closed forms.
 
-use blocksim_tests::{close, run_blocks};
+use blocksim_tests::{Run, close, root, run_blocks, run_text};
 
 const SOLVERS: [&str; 11] = [
     "Auto",
@@ -93,5 +93,92 @@ fn brakes_on_all_shafts_of_a_differential_hold_what_two_of_them_can() {
             assert!(*t > start - 1e-9 || *w == 0.0, "{solver}: moves at {t} s, due {start} s");
         }
         assert!(run.last("scope.w") > 1.0, "{solver}: it moves after {start} s: {}", run.last("scope.w"));
+    }
+}
+
+/// The shipped four-bar linkage with dry friction at the drive and at the knee, thrown at 6 rad/s: both come to rest at the same instant,
+/// and together hold what neither holds alone.
+fn braked_linkage(solver: &str) -> Run {
+    let text = std::fs::read_to_string(root().join("diagrams/four_bar.ron")).expect("a shipped diagram");
+    let friction =
+        r#"RotationalFriction(breakaway: 1.2, coulomb: 0.7, breakaway_velocity: 0.0, model: Stiction)"#;
+    let mut changed = text;
+    for (from, to) in [
+        ("stop_time: \"2 s\", solver: Ode45(rtol: 1e-9)", format!("stop_time: \"3 s\", solver: {solver}")),
+        ("15 rad/s", "6 rad/s".to_owned()),
+        (
+            "\"world\": World,",
+            format!(
+                "\"world\": World, \"case\": RotationalReference, \"at_drive\": {friction}, \"at_knee\": {friction},"
+            ),
+        ),
+        (
+            "\"drive.q ->",
+            "\"at_drive.r <-> drive.r\", \"at_knee.r <-> knee.r\", \
+             \"case.r <-> at_drive.c <-> drive.c <-> at_knee.c <-> knee.c\", \"drive.q ->"
+                .to_owned(),
+        ),
+    ] {
+        assert_eq!(changed.matches(from).count(), 1, "{from}");
+        changed = changed.replace(from, &to);
+    }
+    run_text(&changed)
+}
+
+/// Angles of coupler and rocker at one of the crank, rad, by where circles about both their ends meet.
+fn bars(crank: f64) -> (f64, f64) {
+    let (x, y) = (0.2 * crank.cos(), 0.2 * crank.sin());
+    let (dx, dy) = (0.5 - x, -y);
+    let distance = dx.hypot(dy);
+    let along = (0.45_f64.powi(2) - 0.4_f64.powi(2) + distance * distance) / (2.0 * distance);
+    let across = (0.45_f64.powi(2) - along * along).sqrt();
+    let (cx, cy) = (x + (along * dx + across * dy) / distance, y + (along * dy - across * dx) / distance);
+    ((cy - y).atan2(cx - x), cy.atan2(cx - 0.5))
+}
+
+/// Energy of the bars at an angle and a speed of the crank, J: slopes of the angles by differences.
+fn energy(crank: f64, speed: f64) -> f64 {
+    let h = 1e-5;
+    let (coupler, rocker) = bars(crank);
+    let slope = |angle: fn((f64, f64)) -> f64| (angle(bars(crank + h)) - angle(bars(crank - h))) / (2.0 * h);
+    let (coupler_speed, rocker_speed) = (speed * slope(|bars| bars.0), speed * slope(|bars| bars.1));
+    let [m1, m2, m3] = [0.2, 0.45, 0.4].map(|length| 4.0 * length);
+    let (sin, cos) = crank.sin_cos();
+    let vx = -0.2 * speed * sin - 0.225 * coupler_speed * coupler.sin();
+    let vy = 0.2 * speed * cos + 0.225 * coupler_speed * coupler.cos();
+    let kinetic = 0.5
+        * (m1 * 0.2_f64.powi(2) / 3.0 * speed * speed
+            + m2 * (vx * vx + vy * vy + 0.45_f64.powi(2) / 12.0 * coupler_speed * coupler_speed)
+            + m3 * 0.4_f64.powi(2) / 3.0 * rocker_speed * rocker_speed);
+    let height = m1 * 0.1 * sin + m2 * (0.2 * sin + 0.225 * coupler.sin()) + m3 * 0.2 * rocker.sin();
+    kinetic + 9.80665 * height
+}
+
+#[test]
+fn frictions_that_come_to_rest_together_through_a_loop_hold_together() {
+    let start = 60_f64.to_radians();
+    let knee = |crank: f64| {
+        let (coupler, rocker) = bars(crank);
+        rocker - coupler
+    };
+    let left = |crank: f64| {
+        energy(start, 6.0) - energy(crank, 0.0) - 0.7 * (crank - start + (knee(crank) - knee(start)).abs())
+    };
+    let (mut moves, mut rests) = (start, start + 0.6);
+    for _ in 0..60 {
+        let middle = 0.5 * (moves + rests);
+        if left(middle) > 0.0 { moves = middle } else { rests = middle }
+    }
+    // What the weights want there is more than the drive, sliding, and the knee bear.
+    let load = (energy(rests + 1e-4, 0.0) - energy(rests - 1e-4, 0.0)) / 2e-4;
+    let lever = ((knee(rests + 1e-4) - knee(rests - 1e-4)) / 2e-4).abs();
+    assert!(load > 0.7 + 1.2 * lever && load < 1.2 + 1.2 * lever, "{load}, {lever}");
+    for method in ["Auto", "Ode45", "Ode15s", "Radau5", "Rodas4", "Ode23t", "Ode23tb", "RosW3"] {
+        for (rtol, tolerance) in [("1e-3", 2e-3), ("1e-4", 2e-4), ("1e-6", 5e-6)] {
+            let run = braked_linkage(&format!("{method}(rtol: {rtol})"));
+            let words: Vec<&str> = run.events.iter().map(|event| event.2.as_str()).collect();
+            assert_eq!(words, ["sticks", "sticks"], "{method}, {rtol}: {:?}", run.events);
+            close(run.last("angle.crank"), rests, tolerance, &format!("{method}, {rtol}"));
+        }
     }
 }

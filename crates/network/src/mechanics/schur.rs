@@ -259,9 +259,20 @@ impl Schur {
     /// Where dependent rows contradict each other, those that were
     /// chosen as pivots count.
     pub(crate) fn impose(&mut self, rows: &Rows, value: &mut [f64], target: impl Fn(usize) -> f64) {
+        self.impose_first(rows, rows.len(), value, target);
+    }
+
+    /// The same for the first rows alone; the others keep what they have.
+    pub(crate) fn impose_first(
+        &mut self,
+        rows: &Rows,
+        count: usize,
+        value: &mut [f64],
+        target: impl Fn(usize) -> f64,
+    ) {
         let (m, n) = (rows.len(), rows.width);
         for i in 0..m {
-            self.lambda[i] = target(i) - rows.of(i, value);
+            self.lambda[i] = if i < count { target(i) - rows.of(i, value) } else { 0.0 };
         }
         self.multipliers(rows);
         for (lambda, column) in self.lambda[..m].iter().zip(self.columns.chunks_exact(n.max(1))) {

@@ -115,6 +115,8 @@ pub(crate) struct Work {
     /// For the choice of modes.
     pub rests: Vec<Rest>,
     pub trial_x: Vec<f64>,
+    /// States whose speeds fit the closed loops and what is stuck.
+    pub fitting_x: Vec<f64>,
     pub trial_d: Vec<f64>,
     /// Modes that are put aside for a moment.
     pub kept: Vec<f64>,
@@ -221,6 +223,7 @@ impl Work {
             lock: Lock::new(n, r.sources, frictions),
             rests: vec![Rest::Free; frictions],
             trial_x: vec![0.0; network.interface.states.len()],
+            fitting_x: vec![0.0; network.interface.states.len()],
             trial_d: vec![0.0; network.interface.discrete.len()],
             kept: vec![0.0; frictions],
             struck: false,

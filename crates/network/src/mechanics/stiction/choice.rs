@@ -19,6 +19,12 @@ use crate::work::Work;
 /// Most that the speeds of a network may change, as a multiple of the speed of a part that comes to rest.
 const LEVER: f64 = 1e4;
 
+/// The same up to which it makes no difference whether it is asked before or after the stop what is held.
+const GENTLE: f64 = 100.0;
+
+/// A slip is zero up to this many times what the loops have drifted: one part may stand where others have to share its misfit.
+const SLACK: f64 = 10.0;
+
 impl Network {
     /// Chooses all modes at a major step, when `w` holds the evaluation at `c`. Speeds that come to rest become zero
     /// by an impulse, which is of the size of the rounding if the crossing was located. Returns whether anything
@@ -61,6 +67,21 @@ impl Network {
         wrong
     }
 
+    /// Most that a slip changes where the speeds are made to fit the closed loops, of which they are off by the error of the steps.
+    fn loop_slack(&self, c: &Context, w: &mut Work) -> f64 {
+        if self.frames.loops.is_empty() || w.rows.is_empty() {
+            return 0.0;
+        }
+        let v = self.speeds(c);
+        w.product.copy_from_slice(v);
+        w.schur.impose_first(&w.rows, w.first_stuck, &mut w.product, |row| w.loops.target[row]);
+        let changed = (0..self.stiction.len()).map(|i| {
+            let form = self.sticky(i).0;
+            (form.of(&w.product) - form.of(v)).abs()
+        });
+        changed.fold(0.0, f64::max)
+    }
+
     /// Chooses all modes, when `w` holds the evaluation at `c` and what is to be decided.
     fn change_modes(&self, c: &Context, w: &mut Work, x: &mut [f64], d: &mut [f64]) -> bool {
         let (mut at, mut modes) = (std::mem::take(&mut w.trial_x), std::mem::take(&mut w.trial_d));
@@ -79,7 +100,13 @@ impl Network {
                 Rest::Free => *mode,
             };
         }
-        self.pivot(c, w, &at, &mut modes);
+        if self.rest_together(c, w, &at, &mut modes) {
+            let fitting = std::mem::take(&mut w.fitting_x);
+            self.pivot(c, w, &fitting, &mut modes);
+            w.fitting_x = fitting;
+        } else {
+            self.pivot(c, w, &at, &mut modes);
+        }
         self.come_to_rest(c, w, &mut at, &mut modes);
 
         let speeds = self.positions..self.positions + self.rotation.free;
@@ -89,6 +116,40 @@ impl Network {
         (w.trial_x, w.trial_d) = (at, modes);
         w.evaluation = [u64::MAX; 3];
         changed
+    }
+
+    /// Finds what comes to rest together through loops, and the states at rest, in `w.fitting_x`, for which it is decided what is held:
+    /// speeds differ by what the loops have drifted, and the slightest motion has accelerations that constraints which depend on each
+    /// other contradict. Returns whether there are such.
+    fn rest_together(&self, c: &Context, w: &mut Work, at: &[f64], modes: &mut [f64]) -> bool {
+        if self.frames.loops.is_empty() || !w.rests.contains(&Rest::Stands) {
+            return false;
+        }
+        let slack = SLACK * self.loop_slack(c, w);
+        let stands_almost = |i: usize, w: &Work| self.slip(i, c.x, &w.s).0.abs() <= slack;
+        let range = self.stiction.modes.clone();
+        w.kept.copy_from_slice(&modes[range.clone()]);
+        for (i, mode) in modes[range.clone()].iter_mut().enumerate() {
+            let rests =
+                w.rests[i] == Rest::Stands || matches!(w.rests[i], Rest::Moves(_)) && stands_almost(i, w);
+            *mode = if rests { 0.0 } else { *mode };
+        }
+        self.again(&Context { x: at, d: modes, ..*c }, w);
+        let (blow, slip) = self.blow(at, w);
+        if blow > slack.max(GENTLE * slip) {
+            modes[range].copy_from_slice(&w.kept);
+            return false;
+        }
+        let mut fitting = std::mem::take(&mut w.fitting_x);
+        fitting.copy_from_slice(at);
+        self.stop(w, &mut fitting);
+        w.fitting_x = fitting;
+        for (rest, mode) in w.rests.iter_mut().zip(&modes[range]) {
+            if *mode == 0.0 && *rest != Rest::Free {
+                *rest = Rest::Stands;
+            }
+        }
+        true
     }
 
     /// Makes the speeds of what is stuck zero, and of what starts to slide where they are on the wrong side. They are
@@ -122,27 +183,50 @@ impl Network {
                 self.again(&Context { x: at, d: modes, ..*c }, w);
             }
         }
-        self.stop(w, at);
+        if self.throws(at, w) {
+            // What has slid until now goes on, through zero.
+            for i in 0..self.stiction.len() {
+                let before = self.stiction.of(c.d)[i];
+                if self.stiction.of(modes)[i] == 0.0 && before.abs() == 1.0 {
+                    let (speed, zero, _) = self.slip(i, at, &w.s);
+                    modes[range.start + i] = if before * speed > zero { before } else { -before };
+                }
+            }
+            return self.again(&Context { x: at, d: modes, ..*c }, w);
+        }
+        // Where nothing is stuck nobody asks loops to fit better than they have done: that would move what is at zero just now.
+        if !w.stuck.is_empty() {
+            self.stop(w, at);
+        }
     }
 
     /// Whether the speeds of what is stuck could only be made zero by a blow to all that moves: at a dead centre of a loop the
     /// slightest speed there belongs to any speed elsewhere, and no dry friction stops that. Where loops have drifted by the
     /// error of the steps, such a part may be on the wrong side of zero by as much.
     fn throws(&self, at: &[f64], w: &mut Work) -> bool {
+        let (blow, slip) = self.blow(at, w);
+        blow > LEVER * slip
+    }
+
+    /// Most that a speed changes where what is stuck is stopped, and the largest slip that ends by that.
+    fn blow(&self, at: &[f64], w: &mut Work) -> (f64, f64) {
         if self.frames.loops.is_empty() || w.rows.is_empty() {
-            return false;
+            return (0.0, AT_REST);
         }
-        let v = &at[self.positions..self.positions + self.rotation.free];
+        let speeds = self.positions..self.positions + self.rotation.free;
         let slip = w.stuck.iter().map(|i| self.slip(*i, at, &w.s).0.abs()).fold(AT_REST, f64::max);
-        let (first, stuck, s) = (w.first_stuck, &w.stuck, &w.s);
+        // What the loops have drifted is taken out first: that is no blow.
+        let v = &mut w.fitting_x[speeds.clone()];
+        v.copy_from_slice(&at[speeds]);
+        let (rows, first, stuck, s) = (&w.rows, w.first_stuck, &w.stuck, &w.s);
+        w.schur.impose_first(rows, first, v, |row| w.loops.target[row]);
         w.product.copy_from_slice(v);
-        w.schur.impose(&w.rows, &mut w.product, |row| match row.checked_sub(first) {
+        w.schur.impose(rows, &mut w.product, |row| match row.checked_sub(first) {
             Some(k) => -self.sticky(stuck[k]).1.of(s),
             None => w.loops.target[row],
         });
-        let blow =
-            w.product.iter().zip(v).fold(0.0_f64, |blow, (after, before)| blow.max((after - before).abs()));
-        blow > LEVER * slip
+        let blow = w.product.iter().zip(&*v).fold(0.0_f64, |blow, (after, v)| blow.max((after - v).abs()));
+        (blow, slip)
     }
 
     /// Takes speeds onto the constraints of the last evaluation by an impulse.

@@ -48,13 +48,21 @@ impl Network {
     }
 
     /// Evaluates as if the loops had not drifted, and lets `then` read it: what closes the gaps that steps have left is no
-    /// load on a friction. Without loops, `w` holds the evaluation at `c` already.
+    /// load on a friction. Nor is the motion that does so: the accelerations of a drift contradict what is stuck beside it, where
+    /// constraints depend on each other. Without loops, `w` holds the evaluation at `c` already.
     pub(super) fn without_drift<T>(&self, c: &Context, w: &mut Work, then: impl FnOnce(&mut Work) -> T) -> T {
         if self.frames.loops.is_empty() {
             return then(w);
         }
         w.loops.drifts = false;
         self.again(c, w);
+        if !w.stuck.is_empty() {
+            let mut fitting = std::mem::take(&mut w.fitting_x);
+            fitting.copy_from_slice(c.x);
+            self.stop(w, &mut fitting);
+            self.again(&Context { x: &fitting, ..*c }, w);
+            w.fitting_x = fitting;
+        }
         let result = then(w);
         w.loops.drifts = true;
         w.evaluation = [u64::MAX; 3];
