@@ -9,6 +9,9 @@ use super::{
 };
 use crate::assembly::members::Members;
 
+/// What rounding makes of a voltage, as a part of it.
+const LAST: f64 = 8.0 * f64::EPSILON;
+
 /// What an element contributes, before islands are known.
 struct Piece {
     member: usize,
@@ -175,6 +178,10 @@ fn add(member: usize, element: &Element, fed: bool, electrics: &mut Electrics, p
                 kind,
                 forward_voltage,
                 holding_current: off_conductance * forward_voltage,
+                rounding_current: match on_resistance > 0.0 {
+                    true => LAST * forward_voltage / on_resistance,
+                    false => 0.0,
+                },
                 two_pin: pieces.len() - 1,
             });
         }

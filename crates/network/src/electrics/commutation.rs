@@ -29,6 +29,9 @@ const STRUCK: f64 = 1e-14;
 /// the method, as all states do.
 const DRIFTED: f64 = 1e-8;
 
+/// The same beyond which they cannot be those errors, at the loosest of tolerances: up to there they are made to fit once more.
+const ASTRAY: f64 = 1e-2;
+
 /// Time in which an event cannot be told from another, s, relative to the time of the simulation if that is larger than 1 s.
 const INSTANT: f64 = 1e-9;
 
@@ -80,6 +83,12 @@ impl Network {
             };
             match wrong {
                 Wrong::Nothing => {
+                    let forgotten = self.latched_in_vain(island, w, &here);
+                    if let Some(bit) = forgotten {
+                        self.turn_over(island, bit, d);
+                        changed = true;
+                        continue;
+                    }
                     self.note_size(island, w, d);
                     return changed;
                 }
@@ -115,6 +124,21 @@ impl Network {
         }
         c.fail(self.undecided(island, c.t));
         false
+    }
+
+    /// A thyristor that nothing fires any longer and that carries nothing: others in series block, or its gate has ended before any
+    /// current came. One that remembered would conduct without a gate when they conduct again.
+    fn latched_in_vain(&self, island: usize, w: &mut Work, c: &Context) -> Option<usize> {
+        let conducting = self.conducting(island, c, w);
+        let size = self.size_with(island, c.d, w);
+        let mut bits = 0..self.electrics.islands[island].valves.len();
+        bits.find(|bit| {
+            let index = self.electrics.islands[island].valves[*bit];
+            let fired = self.electrics.valves[index].kind != ValveKind::Thyristor || w.gates[index];
+            let on = conducting >> bit & 1 == 1;
+            // One without a margin has no current whatever happens.
+            on && !fired && self.margin(island, *bit, on, size, w).is_none_or(|margin| margin.is_over())
+        })
     }
 
     fn turn_over(&self, island: usize, bit: usize, d: &mut [f64]) {
@@ -169,6 +193,10 @@ impl Network {
                 Wrong::Nothing => self.drifting(island, c, w, conducting)?,
                 wrong => wrong,
             });
+        }
+        // No path has gone.
+        if drift > 0.0 && lost <= ASTRAY * most_i {
+            return Ok(Wrong::Remainder);
         }
         let arc = self.takes_over(island, c, w, conducting);
         // Volt-seconds that the voltages of the circuit have in a time that an event cannot be located in.

@@ -18,9 +18,28 @@ impl Network {
             let mut room = std::mem::take(&mut w.float);
             self.assemble_floating(floating, c, w, &mut room, true);
             self.settle_floating(island, floating, &mut room, w);
+            self.hold_still(floating, c, w, &mut room);
             w.float = room;
         }
         w.circuits = std::mem::take(&mut circuits);
+    }
+
+    /// Gives windings that cannot carry anything but what they do the voltage that keeps it, to the last bit: what rounding leaves of
+    /// volts would be all that moves in a circuit that waits for its first current, and steps would follow it.
+    fn hold_still(&self, floating: &Floating, c: &Context, w: &mut Work, room: &mut FloatRoom) {
+        for crossing in floating.crossing.iter().filter(|crossing| crossing.is_still) {
+            let seat = &self.seats[crossing.member];
+            let Some(component) = seat.component() else { continue };
+            let m = crossing.weights.len();
+            room.internal.clear();
+            room.internal.resize(m, 0.0);
+            room.inverse.clear();
+            room.inverse.resize(m * m, 0.0);
+            component.reluctance(&self.flowing_law(c, seat, w), &mut room.internal, &mut room.inverse);
+            for (two_pin, internal) in seat.winding_pins.iter().zip(&room.internal) {
+                w.voltage[*two_pin] = *internal;
+            }
+        }
     }
 
     /// `W' Gamma W` and, if wanted, `W' Gamma (u - v) - Q' j'`, or else zeros.

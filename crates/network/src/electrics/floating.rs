@@ -36,6 +36,8 @@ pub(crate) struct Crossing {
     pub border: Vec<f64>,
     /// Power over the product of voltage and current, for each coordinate.
     pub weights: Vec<f64>,
+    /// Whether the law leaves its currents no other value than the one that they have: nothing but open valves leads on.
+    pub is_still: bool,
 }
 
 /// Parts that float while certain valves conduct.
@@ -207,9 +209,12 @@ impl Floating {
         let shifts = shifts.collect();
         let crossing = island.members.iter().filter_map(|member| {
             let border = border(electrics, island, *member, &signs, parts)?;
-            Some(Crossing { member: *member, border: border.0, weights: border.1 })
+            Some(Crossing { member: *member, border: border.0, weights: border.1, is_still: false })
         });
-        let crossing = crossing.collect();
+        let mut crossing: Vec<Crossing> = crossing.collect();
+        if sources.is_empty() {
+            find_still(electrics, &mut crossing, parts);
+        }
         Ok(Some(Self { parts, nodes, crossing, leaving, shifts, groups, leaks, leak_inverse, driven, cut }))
     }
 
@@ -220,6 +225,24 @@ impl Floating {
             crossing.border.iter().enumerate().any(|(i, w)| *w != 0.0 && self.cut[i % k])
         };
         self.crossing.iter().filter(crosses).map(|crossing| crossing.member)
+    }
+}
+
+/// Finds the members whose currents `W' i = 0` leaves no freedom: those of which each unit vector is a combination of columns of `W`.
+fn find_still(electrics: &Electrics, crossing: &mut [Crossing], parts: usize) {
+    let rows: Vec<&[f64]> = crossing.iter().flat_map(|own| own.border.chunks(parts)).collect();
+    if rows.is_empty() {
+        return;
+    }
+    let w = DMatrix::from_fn(rows.len(), parts, |i, k| rows[i][k]);
+    let Ok(inverse) = w.clone().pseudo_inverse(ROUNDING) else { return };
+    let onto = &w * inverse;
+    let mut row = 0;
+    for own in crossing {
+        let count = own.weights.len();
+        let is_held = |i: usize| (onto[(i, i)] - 1.0).abs() < ROUNDING;
+        own.is_still = electrics.places[own.member].machine.is_none() && (row..row + count).all(is_held);
+        row += count;
     }
 }
 

@@ -38,6 +38,11 @@ impl Margin {
         self.guard() > 0.0
     }
 
+    /// Whether nothing is left of it but rounding.
+    pub(crate) fn is_over(&self) -> bool {
+        self.value <= self.noise
+    }
+
     /// Whether rounding decides what the value is.
     pub(crate) fn is_open(&self) -> bool {
         self.value.abs() <= self.noise
@@ -69,7 +74,9 @@ impl Network {
         } else {
             (valve.forward_voltage - w.voltage[valve.two_pin], size[0], ROUNDING[0])
         };
-        may.then_some(Margin { value, noise: rounding * scale + NOTHING, scale: scale + NOTHING })
+        let rest = if on { valve.rounding_current } else { 0.0 };
+        let noise = rounding * scale + rest + NOTHING;
+        may.then_some(Margin { value, noise, scale: scale + NOTHING })
     }
 
     /// Margins of all valves that conduct by themselves: their guards.

@@ -129,6 +129,8 @@ pub(crate) struct Valve {
     pub forward_voltage: f64,
     /// Current at the forward voltage, A: that of the leakage, below which it lets go.
     pub holding_current: f64,
+    /// What rounding of the voltages leaves of that current, A: while it conducts, it is a difference of voltages over little resistance.
+    pub rounding_current: f64,
     pub two_pin: usize,
 }
 

@@ -1,7 +1,9 @@
 //! Valves against a slow reference and closed forms, with every method of variable step.
 
 mod known;
+mod latched;
 mod rows;
+mod waiting;
 
 use blocksim_tests::random::{Branch, Circuit, Finding, Kind, Puzzle, Source, Valve, Variant, contradiction};
 use blocksim_tests::{Run, compile_text, run};
