@@ -1,13 +1,20 @@
 //! Derivatives of signals by parameters, against closed forms.
 
+use std::path::Path;
+
 use blocksim_sim::{Control, DISTANCES, Sensitivity, sensitivity};
-use blocksim_tests::compile_text;
+use blocksim_tests::{Desk, compile_with};
+
+/// An integrator in a file of its own.
+const SUM: &str = r#"Diagram(inputs: { "u": () }, outputs: { "y": "sum.y" }, blocks: { "sum": Integrator },
+    connections: ["in.u -> sum.u"])"#;
 
 /// Derivatives by a parameter of which `text` makes a diagram.
 fn by(value: f64, text: &dyn Fn(f64) -> String) -> (Sensitivity, Vec<String>) {
     let distance = 1e-3 * value;
     let variants = DISTANCES.map(|part| {
-        let (compiled, problems) = compile_text(&text(value + part * distance));
+        let desk = Desk::new().with("model.ron", &text(value + part * distance)).with("sum.ron", SUM);
+        let (compiled, problems) = compile_with(&desk, Path::new("model.ron"), &[]);
         compiled.schedule.unwrap_or_else(|| panic!("{problems}"))
     });
     let paths = variants[2].recorded.iter().map(|recorded| recorded.path.clone()).collect();
@@ -91,6 +98,31 @@ fn a_sampled_controller_has_a_tangent_from_hit_to_hit() {
         let at = found.times.iter().position(|t| (t - 0.5 * f64::from(n)).abs() < 1e-9).expect("on the grid");
         let exact = -0.5 * f64::from(n) * 0.7_f64.powi(n - 1);
         assert!((found.values[0][at] - exact).abs() < 1e-8, "{n}: {} is not {exact}", found.values[0][at]);
+    }
+}
+
+#[test]
+fn what_a_conditional_subsystem_integrates_has_a_derivative() {
+    for (condition, start) in [("enable: Held", 0.0), ("reset: Rising", 1.0)] {
+        let text = |k: f64| {
+            let port = if condition.contains("enable") { "enable" } else { "reset" };
+            diagram(
+                "Auto(rtol: 1e-8)",
+                &format!(
+                    r#""u": Constant(value: {k}), "inside": Subsystem(file: "sum.ron", {condition}),
+                       "late": Pulse(period: "10 s", width: 0.9, delay: {start:?}), "is": Compare(operator: Greater, constant: 0.5)"#
+                ),
+                &format!(
+                    r#""u.y -> inside.u", "late.y -> is.u", "is.y -> inside.{port}", "inside.y -> show.u""#
+                ),
+            )
+        };
+        let (found, _) = by(1.5, &text);
+        for (t, value) in found.times.iter().zip(&found.values[0]).filter(|(t, _)| (*t - start).abs() > 0.01)
+        {
+            let exact = if *t < start { *t } else { *t - start };
+            assert!((value - exact).abs() < 1e-6, "{condition}, {t} s: {value} is not {exact}");
+        }
     }
 }
 

@@ -314,11 +314,13 @@ fn at_start(instance: &Instance, seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut x: Vec<f64> = instance.interface.states.iter().map(|state| state.initial).collect();
     let mut d: Vec<f64> = instance.interface.discrete.iter().map(|state| state.initial).collect();
     let fault = Fault::default();
+    // Nobody knows inputs before the start, but they have their places.
+    let width = instance.inputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
     let c = Context {
         t: 0.0,
         x: &[],
         d: &[],
-        u: &[],
+        u: &vec![0.0; width],
         inputs: &instance.inputs,
         outputs: &instance.outputs,
         evaluation: 0,
