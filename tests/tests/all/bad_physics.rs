@@ -332,3 +332,32 @@ fn exact_zeros_are_taken_where_physics_takes_them() {
     );
     assert_eq!(electrical, "");
 }
+
+/// The slide of a slider-crank whose position follows from the crank's.
+#[test]
+fn a_joint_with_limits_starts_where_its_loop_closes() {
+    let compiled = |upper: &str| {
+        compile_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "0.1 s"),
+                blocks: {{
+                    "world": World, "drive": RevoluteJoint(axis: [0, -1, 0], position: "60 deg"), "crank": Body(mass: 1, moi: [0.1, 0.1, 0.1]),
+                    "arm": Transform(translation: ["0.2 m", "0 m", "0 m"]), "elbow": RevoluteJoint(axis: [0, -1, 0]),
+                    "rod": Transform(translation: ["0.5 m", "0 m", "0 m"]), "wrist": RevoluteJoint(axis: [0, -1, 0]),
+                    "slide": PrismaticJoint(axis: [1, 0, 0], lower: "0.35 m", upper: "{upper}"), "piston": Body(mass: 2, moi: [0.1, 0.1, 0.1]),
+                }},
+                connections: [
+                    "world.frame <-> drive.base <-> slide.base", "drive.follower <-> crank.frame <-> arm.base", "arm.follower <-> elbow.base", "elbow.follower <-> rod.base",
+                    "rod.follower <-> wrist.base", "wrist.follower <-> piston.frame <-> slide.follower",
+                ],
+            )"#
+        ))
+    };
+    let (fits, problems) = compiled("0.65 m");
+    assert!(fits.schedule.is_some(), "{problems}");
+    let (beyond, problems) = compiled("0.5 m");
+    assert!(beyond.schedule.is_none());
+    // 0.2 cos 60 + sqrt(0.5^2 - (0.2 sin 60)^2)
+    assert!(problems.contains("`slide` starts at 0.56904157598234"), "{problems}");
+    assert!(problems.contains("above its upper limit of 0.5 m"), "{problems}");
+}

@@ -56,6 +56,8 @@ pub struct Part {
     /// What the changes of the modes of friction are called: 0 where it sticks, 1 and -1 for the direction of slip, 2 where nothing
     /// presses.
     pub friction: FrictionWords,
+    /// Lower and upper end of travel of its joint, rad or m, where a start that nobody gives must not be beyond them.
+    pub travel: [Option<f64>; 2],
     /// Has [`Component::jump`](super::Component::jump).
     pub jumps: bool,
     /// Has [`Component::next_event`](super::Component::next_event).
@@ -282,6 +284,12 @@ impl Part {
     /// What the changes of the modes of friction are called, see [`Part::friction`].
     pub fn friction_called(mut self, table: &'static [Change]) -> Self {
         self.friction = FrictionWords(table);
+        self
+    }
+
+    /// Where the joint, which has one freedom, ends; a start that nobody gives is checked against it.
+    pub fn travel(mut self, lower: Option<f64>, upper: Option<f64>) -> Self {
+        self.travel = [lower, upper];
         self
     }
 

@@ -79,9 +79,10 @@ impl Inside {
         inside + above.unwrap_or_default() + below.unwrap_or_default()
     }
 
-    /// Reports a start, at zero unless given, that is not within the limits.
+    /// Reports a start that is given and not within the limits. Where none is given, a closed loop may lead elsewhere than to zero, and
+    /// the network tells.
     pub(crate) fn validate(&self, position: Option<f64>, unit: &str, errors: &mut ParamErrors) {
-        let position = position.unwrap_or(0.0);
+        let Some(position) = position else { return };
         let below = self.lower.filter(|lower| position < *lower).map(|lower| ("lower", lower, "below"));
         let above = self.upper.filter(|upper| position > *upper).map(|upper| ("upper", upper, "above"));
         if let Some((name, limit, side)) = below.or(above) {

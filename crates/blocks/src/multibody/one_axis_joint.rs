@@ -92,7 +92,7 @@ impl Component for OneAxisJoint {
             .reads(acceleration.0, acceleration.1, Reading::JointAcceleration(0), acceleration.2)
             .measures(load.0, load.1, Needs::Motion, load.2)
             .element(Element::Joint { base: 0, follower: 1, freedoms: vec![freedom(axis)] });
-        self.inside.events(part, "").guards_of_state()
+        self.inside.events(part, "").guards_of_state().travel(self.inside.lower, self.inside.upper)
     }
 
     fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {

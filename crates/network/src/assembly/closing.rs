@@ -1,5 +1,6 @@
 //! The start of closed loops: positions in which they close, speeds that keep them closed.
 
+use blocksim_block::physical::{Element, Freedom};
 use blocksim_multibody::{Data, Model, add_jacobian, forward_kinematics, move_positions};
 use nalgebra::{DMatrix, DVector};
 
@@ -71,6 +72,25 @@ pub(crate) fn assemble(m: &Members, frames: &mut Frames) -> Result<(), Vec<Netwo
     }
     forward_kinematics(model, &mut data, &q);
     Err(open(m, frames, &data))
+}
+
+/// Joints that start beyond an end of their travel where nobody has given their start: at zero, or where a loop closes.
+pub(crate) fn beyond_travel(m: &Members, frames: &Frames) -> Vec<NetworkProblem> {
+    let free = frames.speeds.iter().filter(|speed| !speed.given);
+    let beyond = free.filter_map(|speed| {
+        let q = frames.position[speed.position?];
+        let [lower, upper] = m.list[speed.member].part.travel;
+        let below = lower.filter(|end| q < end - ACCEPTED).map(|end| ("lower", end, "below"));
+        let above = upper.filter(|end| q > end + ACCEPTED).map(|end| ("upper", end, "above"));
+        let (name, end, side) = below.or(above)?;
+        let path = m.path(speed.member);
+        let slides = |e: &Element| matches!(e, Element::Joint { freedoms, .. } if matches!(freedoms[..], [Freedom::Slide(_)]));
+        let unit = if m.list[speed.member].part.elements.iter().any(slides) { "m" } else { "rad" };
+        let message = format!("`{path}` starts at {q} {unit}, {side} its {name} limit of {end} {unit}");
+        let help = format!("give `{path}` a `position` within its limits, or change them");
+        Some(NetworkProblem::new("inconsistent_start", message, &help).with(speed.member, "has these limits"))
+    });
+    beyond.collect()
 }
 
 /// Loops of transforms alone close or do not.

@@ -129,12 +129,16 @@ impl Network {
     /// A thyristor that nothing fires any longer and that carries nothing: others in series block, or its gate has ended before any
     /// current came. One that remembered would conduct without a gate when they conduct again.
     fn latched_in_vain(&self, island: usize, w: &mut Work, c: &Context) -> Option<usize> {
+        let is_thyristor = |valve: &usize| self.electrics.valves[*valve].kind == ValveKind::Thyristor;
+        if !self.electrics.islands[island].valves.iter().any(is_thyristor) {
+            return None;
+        }
         let conducting = self.conducting(island, c, w);
         let size = self.size_with(island, c.d, w);
         let mut bits = 0..self.electrics.islands[island].valves.len();
         bits.find(|bit| {
             let index = self.electrics.islands[island].valves[*bit];
-            let fired = self.electrics.valves[index].kind != ValveKind::Thyristor || w.gates[index];
+            let fired = !is_thyristor(&index) || w.gates[index];
             let on = conducting >> bit & 1 == 1;
             // One without a margin has no current whatever happens.
             on && !fired && self.margin(island, *bit, on, size, w).is_none_or(|margin| margin.is_over())

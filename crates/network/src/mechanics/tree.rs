@@ -72,6 +72,10 @@ pub(crate) fn build(m: &Members) -> Result<Frames, Vec<NetworkProblem>> {
     frames.model = Some(builder.build());
     frames.number_by_member();
     closing::assemble(m, &mut frames)?;
+    let problems = closing::beyond_travel(m, &frames);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
     frames.scene = scene::build(m, &places, &frames);
     Ok(frames)
 }
