@@ -198,3 +198,34 @@ fn play_with_a_damper_takes_along_what_has_stood_still() {
         }
     }
 }
+
+/// A body slides on another one that has stood still, up to the end of its joint, where a damper sets in at once. Seen from the
+/// body that is struck, that is a half swing which ends where spring and damper no longer press.
+#[test]
+fn the_end_of_a_joint_sets_in_motion_what_has_never_moved() {
+    let (m, struck, k, d) = (1.0, 2.0, 1e5, 50.0);
+    let reduced = m * struck / (m + struck);
+    let (omega, decay) = (f64::sqrt(k / reduced), 0.5 * d / reduced);
+    let swing = (omega * omega - decay * decay).sqrt();
+    // x = exp(-decay t) sin(swing t) / swing; k x + d x' = 0.
+    let end = (PI - f64::atan2(d * swing, k - d * decay)) / swing;
+    let after = (-decay * end).exp() * ((swing * end).cos() - decay / swing * (swing * end).sin());
+    for solver in ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Rodas4(rtol: 1e-4)", "Ode23t", "RosW3"] {
+        let run = run_blocks(
+            "1 s",
+            solver,
+            &format!(
+                r#""world": World(gravity: (0.0, 0.0, 0.0)), "rail": PrismaticJoint(axis: (1.0, 0.0, 0.0)),
+                   "struck": Body(mass: {struck:?}, com: (0.0, 0.0, 0.0), moi: (0.1, 0.1, 0.1)),
+                   "slide": PrismaticJoint(axis: (1.0, 0.0, 0.0), velocity: 1.0, upper: 0.5, limit_stiffness: {k:?},
+                       limit_damping: {d:?}, limit_transition: 0.0),
+                   "body": Body(mass: {m:?}, com: (0.0, 0.0, 0.0), moi: (0.1, 0.1, 0.1)), "s": Scope(inputs: ["rail", "slide"])"#
+            ),
+            r#""world.frame <-> rail.base", "rail.follower <-> struck.frame <-> slide.base",
+               "slide.follower <-> body.frame", "rail.v -> s.rail", "slide.v -> s.slide""#,
+        );
+        let (rail, slide) = (run.last("s.rail"), run.last("s.slide"));
+        close((m + struck) * rail + m * slide, m, 1e-5, &format!("{solver}: momentum"));
+        close(slide, after, 1e-4, solver);
+    }
+}
