@@ -2,6 +2,7 @@
 
 use blocksim_block::Context;
 
+use crate::electrics::floating::Crossing;
 use crate::electrics::{Floating, coordinates};
 use crate::network::Network;
 use crate::work::Work;
@@ -28,18 +29,27 @@ impl Network {
     /// volts would be all that moves in a circuit that waits for its first current, and steps would follow it.
     fn hold_still(&self, floating: &Floating, c: &Context, w: &mut Work, room: &mut FloatRoom) {
         for crossing in floating.crossing.iter().filter(|crossing| crossing.is_still) {
+            if !self.find_reluctance(crossing, c, w, room) {
+                continue;
+            }
             let seat = &self.seats[crossing.member];
-            let Some(component) = seat.component() else { continue };
-            let m = crossing.weights.len();
-            room.internal.clear();
-            room.internal.resize(m, 0.0);
-            room.inverse.clear();
-            room.inverse.resize(m * m, 0.0);
-            component.reluctance(&self.flowing_law(c, seat, w), &mut room.internal, &mut room.inverse);
             for (two_pin, internal) in seat.winding_pins.iter().zip(&room.internal) {
                 w.voltage[*two_pin] = *internal;
             }
         }
+    }
+
+    /// How the currents of a member change with its voltages, in `room`; `false` where it has no law of its own.
+    fn find_reluctance(&self, crossing: &Crossing, c: &Context, w: &Work, room: &mut FloatRoom) -> bool {
+        let seat = &self.seats[crossing.member];
+        let Some(component) = seat.component() else { return false };
+        let m = crossing.weights.len();
+        room.internal.clear();
+        room.internal.resize(m, 0.0);
+        room.inverse.clear();
+        room.inverse.resize(m * m, 0.0);
+        component.reluctance(&self.flowing_law(c, seat, w), &mut room.internal, &mut room.inverse);
+        true
     }
 
     /// `W' Gamma W` and, if wanted, `W' Gamma (u - v) - Q' j'`, or else zeros.
@@ -57,14 +67,10 @@ impl Network {
         room.phi.clear();
         room.phi.resize(k, 0.0);
         for crossing in &floating.crossing {
-            let seat = &self.seats[crossing.member];
-            let Some(component) = seat.component() else { continue };
+            if !self.find_reluctance(crossing, c, w, room) {
+                continue;
+            }
             let m = crossing.weights.len();
-            room.internal.clear();
-            room.internal.resize(m, 0.0);
-            room.inverse.clear();
-            room.inverse.resize(m * m, 0.0);
-            component.reluctance(&self.flowing_law(c, seat, w), &mut room.internal, &mut room.inverse);
             self.winding_voltages(crossing.member, w, &mut room.voltage);
             room.product.clear();
             room.product.resize(m * k, 0.0);

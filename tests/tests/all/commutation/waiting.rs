@@ -51,15 +51,33 @@ fn nothing_is_followed_in_a_circuit_that_waits_for_its_first_current() {
     }
 }
 
-/// Six thyristors fired 60 degrees behind natural commutation, with inductances in the lines and one in the load.
 #[test]
 fn a_commutation_ends_without_interrupting_any_current() {
+    for method in METHODS {
+        for rtol in ["1e-4", "1e-6"] {
+            bridge_gives_its_mean(&format!("{method}(rtol: {rtol})"), 60.0, 0.0, "1 mOhm", "0 S");
+        }
+    }
+}
+
+/// What a thyristor carries at its forward voltage is a millionth of an ampere, and a difference of voltages over ten milliohms is known to
+/// less than a part of that.
+#[test]
+fn thyristors_that_leak_find_who_conducts() {
+    for method in ["Auto", "Ode15s", "Radau5"] {
+        bridge_gives_its_mean(&format!("{method}(rtol: 1e-6)"), 0.0, 0.8, "10 mOhm", "1e-6 S");
+    }
+}
+
+/// Six thyristors fired so many degrees behind natural commutation, with inductances in the lines and one in the load.
+fn bridge_gives_its_mean(solver: &str, alpha: f64, v_f: f64, r_on: &str, g_off: &str) {
+    let resistance = if r_on == "10 mOhm" { 0.010 } else { 0.001 };
     let pulses: Vec<String> = (0..6)
         .map(|k| {
             format!(
                 r#""p{k}": Pulse(period: "20 ms", width: 0.33, delay: {:?}), "g{k}": Compare(operator: Greater, constant: 0.5),
-                   "t{k}": Thyristor(v_f: "0 V", r_on: "1 mOhm")"#,
-                f64::from(k) * 0.02 / 6.0
+                   "t{k}": Thyristor(v_f: {v_f:?}, r_on: "{r_on}", g_off: "{g_off}")"#,
+                (f64::from(k) * 0.02 / 6.0 + (alpha - 60.0) / 360.0 * 0.02).rem_euclid(0.02)
             )
         })
         .collect();
@@ -78,23 +96,24 @@ fn a_commutation_ends_without_interrupting_any_current() {
            "t1.p <-> t3.p <-> t5.p <-> load.n <-> meter.n <-> g.p", "meter.v -> s.v", "coil.i -> s.i", {}"#,
         gates.join(", ")
     );
-    for method in METHODS {
-        for rtol in ["1e-4", "1e-6"] {
-            let run = run_blocks("0.12 s", &format!("{method}(rtol: {rtol})"), &blocks, &wires);
-            assert!(run.time.len() < 8000, "{method}, {rtol}: {} rows", run.time.len());
-            let (t, v, i) = (&run.time, run.column("s.v"), run.column("s.i"));
-            let first = t.iter().rposition(|at| *at <= 0.1 + 1e-9).expect("rows");
-            let mean = |y: &[f64]| {
-                let area: f64 =
-                    (first + 1..t.len()).map(|n| 0.5 * (y[n] + y[n - 1]) * (t[n] - t[n - 1])).sum();
-                area / (t[t.len() - 1] - t[first])
-            };
-            // The lines take 3/pi w L of the current while it commutates, and their resistance twice.
-            let (v, i) = (mean(v), mean(i));
-            // Phase a is at its crest when it is fired first, and has passed phase c a sixth of a period before.
-            let expected = 3.0 / PI * 400.0 * 2_f64.sqrt() * (PI / 3.0).cos()
-                - i * (3.0 / PI * TAU * 50.0 * 1e-3 + 2.0 * 0.010 + 2.0 * 0.001);
-            close(v, expected, 0.01 * expected, &format!("{method}, {rtol}"));
-        }
+    let run = run_blocks("0.12 s", solver, &blocks, &wires);
+    assert!(run.time.len() < 20_000, "{solver}: {} rows", run.time.len());
+    let (t, v, i) = (&run.time, run.column("s.v"), run.column("s.i"));
+    let first = t.iter().rposition(|at| *at <= 0.1 + 1e-9).expect("rows");
+    let mean = |y: &[f64]| {
+        let area: f64 = (first + 1..t.len()).map(|n| 0.5 * (y[n] + y[n - 1]) * (t[n] - t[n - 1])).sum();
+        area / (t[t.len() - 1] - t[first])
+    };
+    // The lines take 3/pi w L of the current while it commutates, and what conducts its voltages.
+    let (v, i) = (mean(v), mean(i));
+    // Phase a is at its crest at zero, and has passed phase c a sixth of a period before.
+    let expected = 3.0 / PI * 400.0 * 2_f64.sqrt() * alpha.to_radians().cos()
+        - i * (3.0 / PI * TAU * 50.0 * 1e-3 + 2.0 * 0.010 + 2.0 * resistance)
+        - 2.0 * v_f;
+    // Over a period the coil has no voltage in the mean.
+    close(5.0 * i, expected, 0.01 * expected, &format!("{solver}, {alpha} deg: by the current"));
+    // With leakage the voltage is that of a current over a millionth of a siemens, of which rows between steps tell little.
+    if g_off == "0 S" {
+        close(v, expected, 0.01 * expected, &format!("{solver}, {alpha} deg"));
     }
 }
