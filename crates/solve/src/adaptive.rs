@@ -65,9 +65,10 @@ pub trait Method: Send {
         error: &mut [f64],
     ) -> Result<(), Fault>;
 
-    /// What the state in between needs besides, of a step from `x0` to `x1` that is about to be kept.
-    fn finish(&mut self, _work: &mut Work, _kept: Span, _x0: &[f64], _x1: &[f64]) -> Result<(), Fault> {
-        Ok(())
+    /// What the state in between needs besides, of a step from `x0` to `x1` that is about to be kept. Returns how far off states
+    /// within the step are, as a part of what is allowed there; zero where nobody knows.
+    fn finish(&mut self, _work: &mut Work, _kept: Span, _x0: &[f64], _x1: &[f64]) -> Result<f64, Fault> {
+        Ok(0.0)
     }
 
     /// The derivative at the end of the last step, where `begin` may use it; else empty.
@@ -90,6 +91,10 @@ pub trait Method: Send {
 
     /// Whether a step that is hardly longer than the one before is better as long as that, because factors serve on.
     const KEEPS_SIZE: bool = false;
+
+    /// Whether a stiff state may be much further off within a step than at its end, so that rows within it are worth the evaluations
+    /// that it takes to [sharpen](Method::sharpen) the dense output.
+    const IS_ROUGH_WITHIN: bool = false;
 
     /// What a method carries over besides the last derivative.
     fn stages(&self) -> Option<Box<Stages>> {
@@ -272,8 +277,12 @@ impl<M: Method> Adaptive<M> {
                 err = 1.0;
             }
             if err <= 1.0 {
-                attempt = self.method.finish(&mut work, trial.into(), &self.x0, &self.x1);
-                err = if attempt.is_ok() { err } else { f64::INFINITY };
+                match self.method.finish(&mut work, trial.into(), &self.x0, &self.x1) {
+                    // A step that cannot be shorter is kept for its end.
+                    Ok(within) if !self.control.is_smallest(trial) => err = err.max(within),
+                    Ok(_) => {}
+                    Err(fault) => (attempt, err) = (Err(fault), f64::INFINITY),
+                }
             }
             if err <= 1.0 {
                 self.control.accept(trial, err);
@@ -346,6 +355,12 @@ impl<M: Method> Stepper for Adaptive<M> {
         let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
         // A failure is told where the solution gets there.
         let _unless_failed = self.method.sharpen(&mut work, self.last, &self.x0, &self.x1);
+    }
+
+    fn sharpen_rows(&mut self, system: &mut dyn System) {
+        if M::IS_ROUGH_WITHIN {
+            self.sharpen(system);
+        }
     }
 
     fn last_step(&self) -> (f64, f64) {

@@ -174,6 +174,10 @@ impl Stepper for Auto {
         self.active_mut().sharpen(system);
     }
 
+    fn sharpen_rows(&mut self, system: &mut dyn System) {
+        self.active_mut().sharpen_rows(system);
+    }
+
     fn back(&mut self) {
         (self.now, self.change, self.share) = self.before;
         self.past.clear();

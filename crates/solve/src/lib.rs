@@ -58,6 +58,7 @@ mod tr_bdf2;
 #[cfg(test)]
 mod trees;
 mod weights;
+mod within;
 
 pub use adaptive::Adaptive;
 pub use auto::Auto;

@@ -49,6 +49,12 @@ const P: [[f64; 3]; 3] = [
     [1.0 / 3.0, -8.0 / 3.0, 10.0 / 3.0],
 ];
 
+/// Where the extension gets the derivative of f as well. There the polynomial that is zero at the start and at the stages
+/// is its slope over REAL, so that one step of Newton's method takes the matrix that is already factored.
+const BETWEEN: f64 = 0.338_355_649_213_923_25;
+/// By how many tolerances the extension without that may be off there.
+const FAR: f64 = 10.0;
+
 /// Newton iterations of one step, at most.
 const ITERATIONS: usize = 7;
 /// Error of the iteration, as a part of what the step may err by.
@@ -80,6 +86,9 @@ pub struct RadauIIA {
     /// Size of the step before, if `z` are its stages and may be continued; and of a trial from the same start.
     before: Option<f64>,
     tried: Option<f64>,
+    /// What is missing in the extension where it is made right, and in its slope at the start.
+    off: Vec<f64>,
+    start: Vec<f64>,
 }
 
 /// How an iteration ended.
@@ -272,6 +281,17 @@ fn extension(z: &[f64; 3], theta: f64) -> f64 {
     sum
 }
 
+/// What that grows by at a fraction of the step, as the way over the step.
+fn slope(z: &[f64; 3], theta: f64) -> f64 {
+    let terms = z.iter().zip(&P).map(|(z, p)| z * (p[0] + theta * (2.0 * p[1] + theta * 3.0 * p[2])));
+    terms.sum()
+}
+
+/// Zero at the start and at the stages.
+fn bump(theta: f64) -> f64 {
+    C.into_iter().fold(theta, |product, c| product * (theta - c))
+}
+
 impl Method for RadauIIA {
     const NAME: &'static str = "Radau5";
     const ORDER: f64 = 5.0;
@@ -296,6 +316,8 @@ impl Method for RadauIIA {
             noise: zeros(),
             before: None,
             tried: None,
+            off: zeros(),
+            start: zeros(),
         }
     }
 
@@ -365,14 +387,35 @@ impl Method for RadauIIA {
         Ok(())
     }
 
-    /// The polynomial through the start and the stages, which leaves the start with the slope that f has there.
-    fn interpolate(&self, theta: f64, h: f64, x0: &[f64], _x1: &[f64], x: &mut [f64]) {
-        let away = theta * (1.0 - theta) * (1.0 - theta);
+    fn finish(&mut self, work: &mut Work, span: Span, x0: &[f64], x1: &[f64]) -> Result<f64, Fault> {
+        let h = span.h;
+        let Self { z, f: [f, slopes, _], one, .. } = self;
+        for i in 0..x0.len() {
+            let z = [z[0][i], z[1][i], z[2][i]];
+            one[i] = x0[i] + extension(&z, BETWEEN);
+            slopes[i] = slope(&z, BETWEEN);
+        }
+        work.derivatives(span.t0 + BETWEEN * h, one, f)?;
+        for i in 0..x0.len() {
+            self.off[i] = (h * f[i] - slopes[i]) / REAL;
+        }
+        self.jacobian.solve(&mut self.off);
+        for i in 0..x0.len() {
+            let has = slope(&[self.z[0][i], self.z[1][i], self.z[2][i]], 0.0);
+            self.start[i] = h * self.f0[i] - has + self.off[i] * C[0] * C[1] / bump(BETWEEN);
+        }
+        self.jacobian.solve(&mut self.start);
+        Ok(work.weights.norm(x0, x1, &self.off, h) / FAR)
+    }
+
+    /// The polynomial through the start and the stages that has the derivative of f at one place between as well, and leaves the
+    /// start with the slope that f has there, as far as that is not the beginning of a decay that the step damps out.
+    fn interpolate(&self, theta: f64, _h: f64, x0: &[f64], _x1: &[f64], x: &mut [f64]) {
+        let more = bump(theta) / bump(BETWEEN);
+        let bend = bump(theta) / (C[0] * C[1]) * (theta / BETWEEN - 1.0);
         for i in 0..x.len() {
             let z = [self.z[0][i], self.z[1][i], self.z[2][i]];
-            let has = z[0] * P[0][0] + z[1] * P[1][0] + z[2] * P[2][0];
-            let bend = crate::start_slope::bend(h * self.f0[i], has, z[2]);
-            x[i] = x0[i] + extension(&z, theta) + away * bend;
+            x[i] = x0[i] + extension(&z, theta) + more * self.off[i] + bend * self.start[i];
         }
     }
 

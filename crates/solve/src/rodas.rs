@@ -15,6 +15,7 @@ use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::combine::combine;
 use crate::jacobian::Jacobian;
 use crate::start_slope::bend;
+use crate::within::{Has, Within};
 
 /// Order 4 for small stiff systems.
 pub type Rodas4 = Adaptive<Rodas>;
@@ -54,6 +55,7 @@ pub struct Rodas {
     /// At the start of the step, and the factors of I - h gamma J.
     jacobian: Jacobian,
     jacobian_is_current: bool,
+    within: Within,
 }
 
 impl Rodas {
@@ -84,6 +86,12 @@ impl Rodas {
         }
         self.jacobian.solve(u);
     }
+
+    /// Coefficients of theta (1 - theta) and of theta^2 (1 - theta) in the extension of state `i`.
+    #[inline]
+    fn extension(&self, i: usize) -> [f64; 2] {
+        [H2, H3].map(|weights| weights.iter().zip(&self.u).map(|(weight, u)| weight * u[i]).sum())
+    }
 }
 
 impl Method for Rodas {
@@ -99,6 +107,7 @@ impl Method for Rodas {
             ft: vec![0.0; n],
             jacobian: Jacobian::new(n),
             jacobian_is_current: false,
+            within: Within::new(n),
         }
     }
 
@@ -124,6 +133,7 @@ impl Method for Rodas {
         error: &mut [f64],
     ) -> Result<(), Fault> {
         let Span { t0, t1, h } = span;
+        self.within.forget();
         if !self.jacobian_is_current {
             self.differentiate(work, span, x0)?;
         }
@@ -161,14 +171,25 @@ impl Method for Rodas {
         Ok(())
     }
 
+    fn finish(&mut self, work: &mut Work, span: Span, x0: &[f64], x1: &[f64]) -> Result<f64, Fault> {
+        let mut within = std::mem::take(&mut self.within);
+        let extension = |rodas: &Self, i: usize, theta: f64| {
+            let [h2, h3] = rodas.extension(i);
+            theta * (1.0 - theta) * (h2 + theta * h3)
+        };
+        let solve = |rodas: &mut Self, b: &mut [f64]| rodas.jacobian.solve(b);
+        let found = within.find(self, work, span, [x0, x1], Has { gamma: GAMMA, extension, solve });
+        self.within = within;
+        found
+    }
+
     fn interpolate(&self, theta: f64, h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]) {
+        if self.within.is_known() {
+            return self.within.interpolate(theta, x0, x1, x);
+        }
         let rest = 1.0 - theta;
         for i in 0..x.len() {
-            let (mut h2, mut h3) = (0.0, 0.0);
-            for j in 0..5 {
-                h2 += H2[j] * self.u[j][i];
-                h3 += H3[j] * self.u[j][i];
-            }
+            let [h2, h3] = self.extension(i);
             let bend = bend(h * self.f0[i], x1[i] - x0[i] + h2, x1[i] - x0[i]);
             x[i] = rest * x0[i] + theta * (x1[i] + rest * (h2 + theta * h3 + rest * bend));
         }

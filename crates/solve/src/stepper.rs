@@ -39,6 +39,10 @@ pub trait Stepper: Send {
     /// that a step is cut at are taken from there. Where the system fails it stays as it is.
     fn sharpen(&mut self, _system: &mut dyn System) {}
 
+    /// The same where the states are only looked at: does nothing where the dense output is about as exact as the end of the step
+    /// anyway.
+    fn sharpen_rows(&mut self, _system: &mut dyn System) {}
+
     /// Forgets the last step, which is to be made once more from the same start, but shorter.
     fn back(&mut self) {
         self.restart();

@@ -27,6 +27,7 @@ use crate::jacobian::Age;
 use crate::newton::{Equation, Iteration, Newton};
 use crate::start_slope::bend;
 use crate::stepper::Stages;
+use crate::within::{Has, Within};
 
 /// Order 2 for stiff systems at loose tolerances; what is fast fades.
 pub type Ode23tb = Adaptive<TrBdf2<true>>;
@@ -47,6 +48,9 @@ const AHEAD: f64 = 2.0;
 
 /// Error of the trapezoidal rule that is not worth a look at where it comes from.
 const LITTLE: f64 = 0.01;
+/// By how many tolerances a step of two parts may be off as the slopes say, of which the matrix takes out what is stiff: the state in
+/// between is off by about half of that. With more, it would not know of an oscillation that a stiff state follows.
+const FAR: f64 = 100.0;
 /// Part of an error that the matrix leaves where not much of it is stiff.
 const STIFF: f64 = 0.25;
 
@@ -68,6 +72,9 @@ pub struct TrBdf2<const DAMPED: bool> {
     before: Option<f64>,
     /// Whether the last trial was one of two parts.
     parts: bool,
+    /// Its error as the slopes alone say, in units of the tolerances.
+    plain: f64,
+    within: Within,
 }
 
 /// A cubic through two states with their slopes, continued to the fraction `theta` of its length `h`.
@@ -151,6 +158,16 @@ impl<const DAMPED: bool> TrBdf2<DAMPED> {
         Ok(())
     }
 
+    /// How far the extension of state `i` is from the straight line over the step, as a part of theta (1 - theta).
+    #[inline]
+    fn bow(&self, i: usize, h: f64, x0: &[f64], x1: &[f64]) -> f64 {
+        if self.parts {
+            (self.middle[i] - x0[i] - GAMMA * (x1[i] - x0[i])) / (GAMMA * (1.0 - GAMMA))
+        } else {
+            0.5 * h * (self.k[0][i] - self.k[2][i])
+        }
+    }
+
     /// Estimates the error of the last trial, but for the matrix.
     fn estimate(&self, h: f64, error: &mut [f64]) {
         let [k0, k1, k2] = &self.k;
@@ -186,6 +203,8 @@ impl<const DAMPED: bool> Method for TrBdf2<DAMPED> {
     const ERROR_POWER: f64 = 3.0;
     const KEEPS_SIZE: bool = true;
 
+    const IS_ROUGH_WITHIN: bool = true;
+
     fn new(n: usize) -> Self {
         let zeros = || vec![0.0; n];
         Self {
@@ -199,6 +218,8 @@ impl<const DAMPED: bool> Method for TrBdf2<DAMPED> {
             tried: None,
             before: None,
             parts: true,
+            plain: 0.0,
+            within: Within::new(n),
         }
     }
 
@@ -242,6 +263,7 @@ impl<const DAMPED: bool> Method for TrBdf2<DAMPED> {
         error: &mut [f64],
     ) -> Result<(), Fault> {
         self.start.copy_from_slice(x0);
+        self.within.forget();
         self.parts = DAMPED || self.before.is_none();
         if self.newton.slopes == Age::Unknown {
             self.newton.differentiate(work, span.t0, x0, span.h)?;
@@ -263,6 +285,7 @@ impl<const DAMPED: bool> Method for TrBdf2<DAMPED> {
             }
             self.estimate(span.h, error);
             let plain = work.weights.norm(x0, x1, error, span.h);
+            self.plain = plain;
             if !self.parts && plain <= LITTLE {
                 break;
             }
@@ -285,18 +308,35 @@ impl<const DAMPED: bool> Method for TrBdf2<DAMPED> {
         Ok(())
     }
 
+    fn finish(&mut self, _work: &mut Work, _kept: Span, _x0: &[f64], _x1: &[f64]) -> Result<f64, Fault> {
+        Ok(if self.parts { self.plain / FAR } else { 0.0 })
+    }
+
+    fn sharpen(&mut self, work: &mut Work, span: Span, x0: &[f64], x1: &[f64]) -> Result<(), Fault> {
+        if self.within.is_known() {
+            return Ok(());
+        }
+        let mut within = std::mem::take(&mut self.within);
+        let extension =
+            |method: &Self, i: usize, theta: f64| theta * (1.0 - theta) * method.bow(i, span.h, x0, x1);
+        let solve = |method: &mut Self, b: &mut [f64]| method.newton.jacobian.solve(b);
+        // The matrix is that of the last slope.
+        let weight = if self.parts { D } else { 0.5 };
+        let found = within.find(self, work, span, [x0, x1], Has { gamma: weight, extension, solve });
+        self.within = within;
+        found.map(drop)
+    }
+
     fn interpolate(&self, theta: f64, h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]) {
-        let [k0, _, k2] = &self.k;
+        if self.within.is_known() {
+            return self.within.interpolate(theta, x0, x1, x);
+        }
         let rest = 1.0 - theta;
         for i in 0..x.len() {
             let chord = x1[i] - x0[i];
-            x[i] = if self.parts {
-                let bow = (self.middle[i] - x0[i] - GAMMA * chord) / (GAMMA * (1.0 - GAMMA));
-                let bend = bend(h * k0[i], chord + bow, chord);
-                x0[i] + theta * (chord + rest * (bow + rest * bend))
-            } else {
-                x0[i] + theta * (chord + rest * 0.5 * h * (k0[i] - k2[i]))
-            };
+            let bow = self.bow(i, h, x0, x1);
+            let bend = if self.parts { bend(h * self.k[0][i], chord + bow, chord) } else { 0.0 };
+            x[i] = x0[i] + theta * (chord + rest * (bow + rest * bend));
         }
     }
 

@@ -80,6 +80,7 @@ impl Simulation {
         if self.refine.cells.is_empty() || self.t <= start {
             return;
         }
+        self.sharpen_rows();
         for third in 1..=3 {
             if !self.within(start, f64::from(third as u8) / 3.0) {
                 return;
@@ -94,6 +95,13 @@ impl Simulation {
             }
             observer.row(self.diagram.now.t, &self.rows.values);
         }
+    }
+
+    /// Makes rows within the last step about as exact as its end.
+    pub(crate) fn sharpen_rows(&mut self) {
+        self.stepper.iter_mut().for_each(|stepper| stepper.sharpen_rows(&mut self.diagram));
+        // A failure comes again at the row.
+        self.diagram.failure = None;
     }
 
     /// Evaluates the diagram after a share of the step; returns whether that was possible.

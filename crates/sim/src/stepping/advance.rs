@@ -246,6 +246,9 @@ impl Simulation {
 
     /// Records the points of the grid up to `end`, from the dense output of the last step.
     pub(crate) fn record_within(&mut self, end: f64, observer: &mut dyn Observer) -> Result<(), SimError> {
+        if self.rows.next_before(end).is_some() {
+            self.sharpen_rows();
+        }
         while let Some(t) = self.rows.next_before(end) {
             if let Some(stepper) = &self.stepper {
                 stepper.interpolate(t, &mut self.guards.x);

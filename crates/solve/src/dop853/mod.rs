@@ -131,7 +131,7 @@ impl Method for DormandPrince8 {
         Span { t0, h, .. }: Span,
         x0: &[f64],
         _x1: &[f64],
-    ) -> Result<(), Fault> {
+    ) -> Result<f64, Fault> {
         let [k1, _, _, _, _, k6, k7, k8, k9, k10, k11, k12, k13, k14, k15, k16] = &mut self.k;
         let x = &mut self.between;
         combine(x, x0, h, A14, [k1, k7, k8, k9, k10, k11, k12, k13]);
@@ -143,7 +143,7 @@ impl Method for DormandPrince8 {
         for (term, d) in self.terms.iter_mut().zip(D) {
             combine_error(term, h, d, [k1, k6, k7, k8, k9, k10, k11, k12, k13, k14, k15, k16]);
         }
-        Ok(())
+        Ok(0.0)
     }
 
     fn interpolate(&self, theta: f64, h: f64, x0: &[f64], x1: &[f64], x: &mut [f64]) {

@@ -7,4 +7,5 @@ mod order_eight;
 mod stiff;
 mod tolerances;
 mod trapezoidal;
+mod within;
 mod work;

@@ -61,10 +61,11 @@ fn a_commutation_ends_without_interrupting_any_current() {
 }
 
 /// What a thyristor carries at its forward voltage is a millionth of an ampere, and a difference of voltages over ten milliohms is known to
-/// less than a part of that.
+/// less than a part of that. The voltage is that of what flows through a millionth of a siemens, so the rows between steps must be
+/// as exact as their ends.
 #[test]
 fn thyristors_that_leak_find_who_conducts() {
-    for method in ["Auto", "Ode15s", "Radau5"] {
+    for method in ["Auto", "Ode15s", "Radau5", "Rodas4", "Ode23t", "Ode23tb"] {
         bridge_gives_its_mean(&format!("{method}(rtol: 1e-6)"), 0.0, 0.8, "10 mOhm", "1e-6 S");
     }
 }
@@ -97,7 +98,7 @@ fn bridge_gives_its_mean(solver: &str, alpha: f64, v_f: f64, r_on: &str, g_off: 
         gates.join(", ")
     );
     let run = run_blocks("0.12 s", solver, &blocks, &wires);
-    assert!(run.time.len() < 20_000, "{solver}: {} rows", run.time.len());
+    assert!(run.time.len() < 30_000, "{solver}: {} rows", run.time.len());
     let (t, v, i) = (&run.time, run.column("s.v"), run.column("s.i"));
     let first = t.iter().rposition(|at| *at <= 0.1 + 1e-9).expect("rows");
     let mean = |y: &[f64]| {
@@ -112,8 +113,5 @@ fn bridge_gives_its_mean(solver: &str, alpha: f64, v_f: f64, r_on: &str, g_off: 
         - 2.0 * v_f;
     // Over a period the coil has no voltage in the mean.
     close(5.0 * i, expected, 0.01 * expected, &format!("{solver}, {alpha} deg: by the current"));
-    // With leakage the voltage is that of a current over a millionth of a siemens, of which rows between steps tell little.
-    if g_off == "0 S" {
-        close(v, expected, 0.01 * expected, &format!("{solver}, {alpha} deg"));
-    }
+    close(v, expected, 0.01 * expected, &format!("{solver}, {alpha} deg"));
 }
