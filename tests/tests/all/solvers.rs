@@ -1,7 +1,9 @@
 //! Diagrams as they are written, with default settings: right whatever the sizes of their states, and whatever a trial step
 //! tries.
 
-use blocksim_tests::{compile_text, run, run_text};
+use blocksim_block::schedule::VariableMethod;
+use blocksim_tests::accounts::solved_by;
+use blocksim_tests::{compile_text, run, run_blocks, run_text, schedule};
 
 #[test]
 fn a_fast_and_weakly_damped_transfer_function_is_right() {
@@ -93,4 +95,57 @@ fn a_solution_that_leaves_the_domain_is_an_error_with_its_time_and_block() {
     assert!((error.t - (5.0 + 0.1 * 2f64.ln())).abs() < 1e-4, "{error}");
     assert_eq!((error.code, error.path.as_deref()), ("block_failed", Some("root")), "{error}");
     assert!(error.message.contains("Sqrt has no value"), "{error}");
+}
+
+/// Steps of `RosW3` on what is free in the plane and turns about a centre of mass beside its frame: `x = a (1 - cos w t)`. The mass
+/// matrix depends on the angle.
+#[test]
+fn rosw3_follows_a_body_with_its_centre_of_mass_aside() {
+    let mut steps = Vec::new();
+    for rtol in [1e-5, 1e-8] {
+        let run = run_blocks(
+            "2 s",
+            &format!("RosW3(rtol: {rtol:e})"),
+            r#""w": World(gravity: [0, 0, 0]), "j": PlanarJoint(speed: 5), "show": Scope(inputs: ["x", "q"]),
+               "b": Body(mass: 2, moi: [0.05, 0.08, 0.04], com: [0.1, 0, 0])"#,
+            r#""w.frame <-> j.base", "j.follower <-> b.frame", "j.x -> show.x", "j.q -> show.q""#,
+        );
+        let [x, y, q] = ["show.x[0]", "show.x[1]", "show.q"].map(|path| run.last(path));
+        let (sine, cosine) = 10_f64.sin_cos();
+        // The frame goes along with the speed that the centre begins with.
+        let expected = [0.1 * (1.0 - cosine), 1.0 - 0.1 * sine, 10.0];
+        for (found, expected) in [x, y, q].into_iter().zip(expected) {
+            assert!((found - expected).abs() < 20.0 * rtol, "{rtol:e}: {found} in the place of {expected}");
+        }
+        steps.push(run.counts.accepted as f64);
+    }
+    // Order three: a thousandth of the tolerance takes ten times as many steps, and 32 with an order lost.
+    assert!(steps[1] < 13.0 * steps[0], "{steps:?}");
+}
+
+/// The same with hinges on bodies that move, and where bodies close a loop, against a method of order eight.
+#[test]
+fn rosw3_keeps_its_order_in_trees_and_loops_of_bodies() {
+    for path in ["double_pendulum", "four_bar"] {
+        let by = |method, rtol| {
+            let mut schedule = schedule(&format!("diagrams/{path}.ron"), &[]);
+            schedule.settings.stop_time = 1.0;
+            run(solved_by(schedule, method, rtol))
+        };
+        let exact = by(VariableMethod::Dop853, 1e-11);
+        let [loose, tight] = [1e-5, 1e-8].map(|rtol| {
+            let found = by(VariableMethod::RosW3, rtol);
+            for (recorded, column) in exact.recorded.iter().zip(&exact.columns) {
+                let size = column.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+                let (found, expected) = (found.last(&recorded.path), exact.last(&recorded.path));
+                assert!(
+                    (found - expected).abs() <= 500.0 * rtol * size,
+                    "{path}, {rtol:e}, {}: {found} {expected}",
+                    recorded.path
+                );
+            }
+            found.counts.accepted
+        });
+        assert!(tight < 13 * loose, "{path}: {loose} and {tight} steps");
+    }
 }

@@ -26,6 +26,9 @@ impl Network {
             self.envelope.square(&gear.base, *slope, &mut w.damping);
         }
         self.envelope.sum(&mut w.implicit, &w.mass, hg, &w.damping);
+        // Stages stand elsewhere. With a mass matrix of their own each would take another Jacobian, and the method would be of order one.
+        w.implicit_mass.copy_from_slice(&w.mass);
+        w.implicit_rows.copy_from(&w.rows);
         w.hg = hg;
         self.prepare_linear(c, hg, w);
         w.position.copy_from_slice(self.positions(c));
@@ -33,8 +36,8 @@ impl Network {
             c.fail("the mass matrix lost its positive definiteness: check masses and inertias");
             return;
         }
-        if !w.rows.is_empty() {
-            w.implicit_schur.factor(&w.rows, &w.implicit, &self.envelope);
+        if !w.implicit_rows.is_empty() {
+            w.implicit_schur.factor(&w.implicit_rows, &w.implicit, &self.envelope);
         }
     }
 
@@ -43,12 +46,12 @@ impl Network {
         let n = self.rotation.free;
         let (q, rest) = r.split_at_mut(self.positions);
         let (v, x) = rest.split_at_mut(n);
-        self.envelope.product(&w.mass, v, &mut w.product);
+        self.envelope.product(&w.implicit_mass, v, &mut w.product);
         self.eliminate_states(w, x);
         self.envelope.solve(&w.implicit, &mut w.product);
-        if !w.rows.is_empty() {
+        if !w.implicit_rows.is_empty() {
             // The Jacobian leaves `D v` alone, so the solution has that of `r`.
-            w.implicit_schur.impose(&w.rows, &mut w.product, |i| w.rows.of(i, v));
+            w.implicit_schur.impose(&w.implicit_rows, &mut w.product, |i| w.implicit_rows.of(i, v));
             w.lock.settle_like(&mut w.product, v);
         }
         v.copy_from_slice(&w.product);

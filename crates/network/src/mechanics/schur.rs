@@ -52,6 +52,15 @@ impl Rows {
         (self.yielding, self.last) = (usize::MAX, usize::MAX);
     }
 
+    /// Becomes what `other` is, within its own memory.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.clear();
+        self.d.extend_from_slice(&other.d);
+        self.b.extend_from_slice(&other.b);
+        self.weight.extend_from_slice(&other.weight);
+        (self.yielding, self.last) = (other.yielding, other.last);
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.b.len()
     }

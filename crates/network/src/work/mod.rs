@@ -97,6 +97,9 @@ pub(crate) struct Work {
     /// What was stuck when it was factored, where that is all it depends on.
     pub schur_of: Vec<usize>,
     pub implicit_schur: Schur,
+    /// Mass matrix and constraints where the implicit step began: one matrix for all stages.
+    pub implicit_mass: Vec<f64>,
+    pub implicit_rows: Rows,
     /// Multipliers within what is held, where several constraints say the same.
     pub bounded: Bounded,
     /// Multipliers of the constraints, and what a loss of one in each mesh takes from them.
@@ -210,6 +213,8 @@ impl Work {
             schur: Schur::new(n, rows),
             schur_of: Vec::with_capacity(frictions),
             implicit_schur: Schur::new(n, rows),
+            implicit_mass: vec![0.0; n * n],
+            implicit_rows: Rows::new(n, rows),
             bounded: Bounded::new(rows),
             lambda: vec![0.0; rows],
             mesh_lambda: vec![0.0; g * rows],
