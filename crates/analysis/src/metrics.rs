@@ -9,6 +9,9 @@ const BAND: f64 = 0.02;
 /// A response that has stayed in the band for so many times as long as it took to get there is at rest; what drives it out
 /// of the band after that is not the step.
 const REST: f64 = 1.0;
+/// Part of the time of rest in which a disturbance goes at least the second half of its way to the edge of the band. What takes longer
+/// is a slow part of the response itself, on its way there all the time.
+const SUDDEN: f64 = 0.25;
 /// Share of the time, at its end, over which the remaining error is averaged.
 const END: f64 = 0.02;
 
@@ -124,15 +127,32 @@ fn disturbance(rows: &[Row], share: impl Fn(&Row) -> f64 + Copy) -> Option<usize
     let mut entered = None;
     for (at, row) in rows.iter().enumerate().skip(set) {
         if (share(row) - 1.0).abs() <= BAND {
-            entered.get_or_insert(row.t);
-        } else if let Some(since) = entered.take() {
+            entered.get_or_insert(at);
+        } else if let Some(first) = entered.take() {
+            let since = rows[first].t;
             let rest = rows[at - 1].t - since;
-            if since > begin && rest >= REST * (since - begin) {
+            if since > begin && rest >= REST * (since - begin) && is_sudden(&rows[first..at], share, row) {
                 return Some(at);
             }
         }
     }
     None
+}
+
+/// Whether what was at rest goes out of the band, in the row `out`, all at once.
+fn is_sudden(rest: &[Row], share: impl Fn(&Row) -> f64, out: &Row) -> bool {
+    let [Row { t: begin, .. }, .., Row { t: end, .. }] = *rest else { return true };
+    // Where it rested: the mean over the first half of that time.
+    let mut area = (0.0, 0.0);
+    for pair in rest.windows(2).take_while(|pair| pair[0].t < begin + 0.5 * (end - begin)) {
+        let long = pair[1].t - pair[0].t;
+        area = (area.0 + long, area.1 + 0.5 * long * (share(&pair[0]) + share(&pair[1])));
+    }
+    let level = if area.0 > 0.0 { area.1 / area.0 } else { share(&rest[0]) };
+    let edge = if share(out) > 1.0 { 1.0 + BAND } else { 1.0 - BAND };
+    let is_near = |row: &&Row| (share(row) - level) / (edge - level) <= 0.5;
+    let left = rest.iter().rfind(is_near).map_or(begin, |row| row.t);
+    end - left <= SUDDEN * (end - begin)
 }
 
 /// Instant from which on the share stays within the band around 1.
@@ -302,6 +322,18 @@ mod tests {
             response(3.0, 5.0, |t| y(t) - if t < 0.5 { 0.0 } else { 0.3 * ((0.5 - t) / 0.4).exp() });
         let m = metrics(&time, Some(&set), &actual).unwrap();
         assert!(m.disturbed.is_none() && m.settling.unwrap() > 1.0, "{m:?}");
+    }
+
+    /// `y = 1 - exp(-t/0.02) + 0.08 t exp(-t/2)`: fast at first, and a slow part that is largest after 2 s.
+    #[test]
+    fn a_slow_part_of_the_response_is_no_disturbance() {
+        let (time, set, actual) =
+            response(1.0, 40.0, |t| 1.0 - (-t / 0.02_f64).exp() + 0.08 * t * (-t / 2.0).exp());
+        let m = metrics(&time, Some(&set), &actual).unwrap();
+        assert_eq!(m.disturbed, None, "{m:?}");
+        near(m.overshoot.unwrap(), 0.16 / std::f64::consts::E, 1e-4);
+        // Where 0.08 t exp(-t/2) is 0.02 for the second time.
+        near(m.settling.unwrap(), 6.523, 1e-2);
     }
 
     #[test]
