@@ -286,14 +286,17 @@ impl<M: Method> Adaptive<M> {
             }
             if err <= 1.0 {
                 self.control.accept(trial, err);
-                self.weights.accepted();
+                self.weights.accepted([&self.x0, &self.x1], &self.error, err, trial.h);
                 self.counts.accepted += 1;
                 return Ok(trial.into());
             }
             self.counts.rejected += 1;
             match attempt {
                 Ok(()) => self.counts.evaluations += self.weights.rejected(system, t, &self.x0, trial.h),
-                Err(Fault::NotFinite(_)) => self.weights.stalled(),
+                Err(Fault::NotFinite(_)) => {
+                    self.weights.stalled();
+                    self.counts.evaluations += self.weights.rejected(system, t, &self.x0, trial.h);
+                }
                 Err(Fault::System) => {}
             }
             if !self.control.reject(trial, err) {

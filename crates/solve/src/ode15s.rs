@@ -349,7 +349,7 @@ impl Ode15s {
     fn keep(&mut self, span: Span, err: f64, cut: Option<f64>) {
         let (n, k) = (self.x0.len(), self.order);
         self.counts.accepted += 1;
-        self.weights.accepted();
+        self.weights.accepted([&self.x0, &self.x1], &self.newton.correction, err, span.h);
         self.steady += 1;
         for i in 0..n {
             let step = self.newton.step[i];

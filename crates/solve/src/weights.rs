@@ -44,6 +44,9 @@ const PILE: f64 = 8.0;
 const SUSPICION: f64 = 3.0;
 /// What a step that was kept takes away from the suspicion.
 const TRUST: f64 = 0.2;
+/// Error from which on it limits the steps, and the part of the largest magnitude of any state up to which one that does so may be rounding.
+const LIMITS: f64 = 0.1;
+const SPECK: f64 = 1e-9;
 /// Distance of the points at which noise is looked for, as a part of the step.
 const APART: f64 = 1.0 / 1024.0;
 /// How much closer they are where something was seen: rounding stays as it is, a kink does not.
@@ -379,14 +382,19 @@ impl Weights {
         self.learnt.as_ref().is_some_and(|learnt| learnt.stalled + 1.0 >= SUSPICION)
     }
 
-    /// Notes that a step was kept.
-    pub fn accepted(&mut self) {
+    /// Notes that a step from `x[0]` to `x[1]` of the size `h` was kept, and its error, whose norm is `err`.
+    pub fn accepted(&mut self, [x0, x1]: [&[f64]; 2], error: &[f64], err: f64, h: f64) {
+        let limited_by = (self.learnt.is_some() && err > LIMITS).then(|| self.worst(x0, x1, error, h));
         if let Some(learnt) = &mut self.learnt {
+            let is_speck = limited_by.is_some_and(|i| learnt.ever[i] <= SPECK * learnt.largest);
             if learnt.stalled > 0.0 {
                 learnt.stalled = (learnt.stalled - SUSPICION / PATIENCE).max(0.0);
             }
             learnt.suspicion = if learnt.suspicion < 0.0 {
                 learnt.suspicion + SUSPICION / PATIENCE
+            } else if is_speck {
+                // The step size settles where noise just passes.
+                (learnt.suspicion + TRUST).min(SUSPICION - 1.0)
             } else {
                 (learnt.suspicion - TRUST).max(0.0)
             };

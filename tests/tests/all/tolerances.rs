@@ -1,6 +1,6 @@
 //! Absolute tolerances of single states, and automatic ones of states whose sizes lie far apart.
 
-use blocksim_tests::{Run, compile_text, run_text};
+use blocksim_tests::{Run, compile_text, run_blocks, run_text};
 
 fn diagram(settings: &str, blocks: &str, connections: &str) -> String {
     format!("Diagram(simulation: ({settings}), blocks: {{ {blocks} }}, connections: [ {connections} ])")
@@ -194,4 +194,26 @@ fn states_that_are_zero_or_at_rest_or_only_arriving_are_not_named() {
     ));
     assert!(run.last("show.x") < 1e-30 && run.last("show.x") > 0.0, "{:e}", run.last("show.x"));
     assert_eq!(ignored(&run), [""; 0]);
+}
+
+/// What spins about its centre of mass and falls: its places and speeds across are zero but for rounding, of which hardly a step is thrown
+/// away where the size of steps has settled to what it lets pass.
+#[test]
+fn what_spins_and_falls_is_not_held_up_by_rounding_across() {
+    for (method, rtol, most) in
+        [("Dop853", 1e-6, 500), ("Dop853", 1e-8, 3000), ("Radau5", 1e-6, 500), ("Radau5", 1e-8, 2000)]
+    {
+        let run = run_blocks(
+            "2 s",
+            &format!("{method}(rtol: {rtol:e})"),
+            r#""w": World, "j": FreeJoint(spin: [1, 5, 0.5]), "show": Scope(inputs: ["x"]),
+               "b": Body(mass: 2, moi: [0.05, 0.08, 0.04], poi: [0.006, -0.003, 0.004])"#,
+            r#""w.frame <-> j.base", "j.follower <-> b.frame", "j.x -> show.x""#,
+        );
+        for (place, expected) in [(0, 0.0), (1, 0.0), (2, -2.0 * 9.80665)] {
+            let found = run.last(&format!("show.x[{place}]"));
+            assert!((found - expected).abs() < 20.0 * rtol, "{method} at {rtol:e}, {place}: {found}");
+        }
+        assert!(run.counts.accepted < most, "{method} at {rtol:e}: {} steps", run.counts.accepted);
+    }
 }
