@@ -229,3 +229,57 @@ fn the_end_of_a_joint_sets_in_motion_what_has_never_moved() {
         close(slide, after, 1e-4, solver);
     }
 }
+
+/// A body that slides, or turns, on another one up to its end of travel, damped and without a transition, takes that along from rest; and one
+/// that flies against a plane comes back. Momentum is kept, and of their relative speed comes back what the closed form says, with the
+/// reduced inertia `a b/(a + b)`.
+#[test]
+fn a_joint_at_its_end_takes_along_what_has_stood_still() {
+    let (k, d) = (1e5_f64, 50.0);
+    let back = |inertia: f64| {
+        let zeta = d / (2.0 * (k * inertia).sqrt());
+        (-2.0 * zeta * zeta.acos() / (1.0 - zeta * zeta).sqrt()).exp()
+    };
+    let law = format!("limit_stiffness: {k:?}, limit_damping: {d:?}, limit_transition: 0");
+    let joint = |kind: &str, axis: &str, speed: &str| {
+        let moved = |size: f64| format!("Body(mass: {size:?}, moi: [{size:?}, {size:?}, {size:?}])");
+        let blocks = format!(
+            r#""w": World(gravity: [0, 0, 0]), "below": {kind}(axis: {axis}), "b": {}, "a": {},
+               "above": {kind}(axis: {axis}, velocity: 1, lower: -1, upper: 0.5, {law}), "show": Scope(inputs: ["below", "above"])"#,
+            moved(2.0),
+            moved(1.0)
+        );
+        let wires = format!(
+            r#""w.frame <-> below.base", "below.follower <-> b.frame <-> above.base", "above.follower <-> a.frame",
+               "below.{speed} -> show.below", "above.{speed} -> show.above""#
+        );
+        (blocks, wires)
+    };
+    for (blocks, wires) in
+        [joint("PrismaticJoint", "[1, 0, 0]", "v"), joint("RevoluteJoint", "[0, 0, 1]", "w")]
+    {
+        for solver in SOLVERS {
+            let run = run_blocks("1 s", solver, &blocks, &wires);
+            let above = -back(2.0 / 3.0);
+            let tolerance = if solver.contains("Ode23t") || solver == "Ode15s" { 1e-4 } else { 2e-5 };
+            close(run.last("show.above"), above, tolerance, &format!("{solver}: {blocks}"));
+            close(run.last("show.below"), (1.0 - above) / 3.0, tolerance, &format!("{solver}: {blocks}"));
+            assert!(run.counts.accepted < 3000, "{solver}: {} steps", run.counts.accepted);
+            let told: Vec<_> = run.events.iter().map(|(_, path, what)| format!("{path} {what}")).collect();
+            assert_eq!(told, ["above touches the upper end", "above leaves the upper end"], "{solver}");
+        }
+    }
+    for solver in SOLVERS {
+        let run = run_blocks(
+            "1 s",
+            solver,
+            &format!(
+                r#""w": World(gravity: [0, 0, 0]), "j": FreeJoint(position: [0, 0, 0.5], velocity: [0, 0, -1]), "b": Body(mass: 2, moi: [1, 1, 1]),
+                   "plane": PointPlaneContact(stiffness: {k:?}, damping: {d:?}, transition: 0), "show": Scope(inputs: ["v"])"#
+            ),
+            r#""w.frame <-> j.base <-> plane.base", "j.follower <-> b.frame <-> plane.follower", "j.v -> show.v""#,
+        );
+        close(run.last("show.v[2]"), back(2.0), 1e-4, solver);
+        assert_eq!(run.events.len(), 2, "{solver}: {:?}", run.events);
+    }
+}

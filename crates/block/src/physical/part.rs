@@ -271,13 +271,15 @@ impl Part {
         self
     }
 
-    /// Which of several things in the component the last guard is about: `axis 2`.
+    /// Which of several things in the component the last guard is about, and the mode that it belongs to: `axis 2`.
     pub fn detail(mut self, detail: String) -> Self {
-        self.guards
-            .iter_mut()
-            .last()
-            .into_iter()
-            .for_each(|guard| guard.subject.detail = Some(detail.clone()));
+        let Some(guard) = self.guards.last_mut() else { return self };
+        if let (Event::Mode, Some(changes)) =
+            (guard.event, self.discrete.last_mut().and_then(|discrete| discrete.changes.as_mut()))
+        {
+            changes.subject.detail = Some(detail.clone());
+        }
+        guard.subject.detail = Some(detail);
         self
     }
 

@@ -4,7 +4,7 @@ use blocksim_block::prelude::*;
 
 use super::elastic::ElasticLaw;
 use crate::multibody::axis::spring_energy;
-use crate::multibody::joint_limit::JointLimit;
+use crate::multibody::joint_limit::{JointLimit, LOWER_END, UPPER_END};
 
 /// Spring and damper side by side, with play between the flanks if there is any. Units are those of rotation; in
 /// translation N/m, N*s/m and m.
@@ -79,10 +79,6 @@ const LOWER_FLANK: &Words =
     &[Change::to(1.0, "touches the lower flank"), Change::to(0.0, "leaves the lower flank")];
 const UPPER_FLANK: &Words =
     &[Change::to(1.0, "touches the upper flank"), Change::to(0.0, "leaves the upper flank")];
-const LOWER_END: &Words =
-    &[Change::to(1.0, "touches the lower end"), Change::to(0.0, "leaves the lower end")];
-const UPPER_END: &Words =
-    &[Change::to(1.0, "touches the upper end"), Change::to(0.0, "leaves the upper end")];
 
 /// Adds the events of two sides: modes if the torque jumps there, else kinks, and behind them the places where they have set in, if they
 /// do so over a width.
@@ -115,10 +111,7 @@ impl Sides {
     fn load(&self, touches: &[f64]) -> Torque {
         let push = |side: usize| {
             let (depth, rate) = self.depths[side];
-            match touches.get(side) {
-                Some(touches) => self.law.held(*touches != 0.0, depth, rate),
-                None => self.law.push(depth, rate),
-            }
+            self.law.load(touches.get(side).map(|touches| *touches != 0.0), depth, rate)
         };
         let [below, above] = [push(0), push(1)];
         Torque { value: above.value - below.value, slope: above.slope + below.slope }

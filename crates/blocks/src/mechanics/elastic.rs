@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use blocksim_block::prelude::*;
 
 use super::quantities::Quantities;
+use crate::multibody::joint_limit::{guard_of_side, settle};
 
 /// What a deflection and its speed transmit. Units are those of rotation; in translation m, m/s and N.
 ///
@@ -26,7 +27,7 @@ pub trait ElasticLaw: Debug + Send + Sync + 'static {
     /// The guards: distances, and for a side that is known to touch how deep it is.
     fn guards(&self, deflection: f64, speed: f64, touches: &[f64], g: &mut [f64]) {
         self.distances(deflection, speed, g);
-        g.iter_mut().zip(touches).filter(|(_, touches)| **touches != 0.0).for_each(|(g, _)| *g = -*g);
+        g.iter_mut().zip(touches).for_each(|(g, touches)| *g = guard_of_side(Some(touches), *g));
     }
 
     /// Finds which sides touch; returns whether any has changed.
@@ -35,9 +36,8 @@ pub trait ElasticLaw: Debug + Send + Sync + 'static {
         if let [lower, upper] = touches {
             let mut apart = [0.0; 2];
             self.distances(deflection, speed, &mut apart);
-            // At zero itself a side stays what it is.
-            for (touches, apart) in [lower, upper].into_iter().zip(apart).filter(|(_, apart)| *apart != 0.0) {
-                changed |= std::mem::replace(touches, f64::from(apart < 0.0)) != f64::from(apart < 0.0);
+            for (touches, apart) in [lower, upper].into_iter().zip(apart) {
+                changed |= settle(touches, apart);
             }
         }
         changed

@@ -3,7 +3,7 @@
 use blocksim_block::physical::Torque;
 use blocksim_block::prelude::*;
 
-use super::joint_limit::JointLimit;
+use super::joint_limit::{JointLimit, LOWER_END, UPPER_END, guard_of_side, settle};
 
 /// A direction as a vector of length one.
 pub(crate) fn unit(axis: [f64; 3]) -> [f64; 3] {
@@ -22,61 +22,102 @@ pub(crate) struct Inside {
     pub limit: JointLimit,
 }
 
+/// An end of travel.
+struct End {
+    name: &'static str,
+    words: &'static [Change; 2],
+    /// What it is called where the end no longer presses fully, and where it does.
+    firm: [&'static str; 2],
+    /// Where it is: -1 below, 1 above.
+    side: f64,
+    /// How far the joint is beyond it, and how fast that grows.
+    depth: f64,
+    rate: f64,
+}
+
 impl Inside {
-    /// Torque at a position and a speed; the slope is positive where it damps.
-    pub(crate) fn torque(&self, q: f64, w: f64) -> Torque {
+    /// Torque at a position and a speed; the slope is positive where it damps. Which ends touch is known where the torque jumps there:
+    /// `touches` are those that there are, from below, and empty elsewhere.
+    pub(crate) fn torque(&self, q: f64, w: f64, touches: &[f64]) -> Torque {
         let mut torque = Torque {
             value: -self.stiffness * (q - self.equilibrium) - self.damping * w,
             slope: self.damping,
         };
-        if let Some(upper) = self.upper {
-            let push = self.limit.push(q - upper, w);
-            torque = Torque { value: torque.value - push.value, slope: torque.slope + push.slope };
-        }
-        if let Some(lower) = self.lower {
-            let push = self.limit.push(lower - q, -w);
-            torque = Torque { value: torque.value + push.value, slope: torque.slope + push.slope };
+        for (end, place) in self.ends(q, w).zip(0..) {
+            let push =
+                self.limit.load(touches.get(place).map(|touches| *touches != 0.0), end.depth, end.rate);
+            torque = Torque { value: torque.value - end.side * push.value, slope: torque.slope + push.slope };
         }
         torque
     }
 
+    /// How many modes [`events`](Self::events) adds.
+    pub(crate) fn modes(&self) -> usize {
+        if self.limit.is_sudden() { self.ends(0.0, 0.0).count() } else { 0 }
+    }
+
     /// Adds what happens where an end of travel is reached, has set in, and is left; `number` tells several axes apart.
-    pub(crate) fn events(&self, mut part: Part, number: &str) -> Part {
-        for (name, _) in self.ends(0.0, 0.0) {
-            let [leaves, touches] = match name {
-                "lower" => ["leaves the lower end", "touches the lower end"],
-                "upper" => ["leaves the upper end", "touches the upper end"],
-                "lower_firm" => ["yields at the lower end", "presses fully at the lower end"],
-                _ => ["yields at the upper end", "presses fully at the upper end"],
-            };
-            part = part.kink(&format!("{name}{number}"), leaves, touches);
-            if !number.is_empty() {
-                part = part.detail(format!("axis {number}"));
+    pub(crate) fn events(&self, part: Part, number: &str) -> Part {
+        let about = |part: Part| if number.is_empty() { part } else { part.detail(format!("axis {number}")) };
+        self.ends(0.0, 0.0).fold(part, |mut part, end| {
+            let (name, [touches, leaves]) = (format!("{}{number}", end.name), end.words);
+            if self.limit.is_sudden() {
+                return about(part.mode(&name, end.words));
             }
-        }
-        part
+            part = about(part.kink(&name, leaves.phrase, touches.phrase));
+            if self.limit.transition > 0.0 {
+                let name = format!("{}_firm{number}", end.name);
+                let [yields, presses] = end.firm;
+                part = about(part.kink(&name, yields, presses));
+            }
+            part
+        })
     }
 
     /// Writes how far the ends of travel are from pressing, at a position and a speed; returns how many there are.
-    pub(crate) fn guards(&self, q: f64, w: f64, g: &mut [f64]) -> usize {
-        self.ends(q, w).zip(g).map(|((_, distance), g)| *g = distance).count()
+    pub(crate) fn guards(&self, q: f64, w: f64, touches: &[f64], g: &mut [f64]) -> usize {
+        let distances = self.ends(q, w).zip(0..).flat_map(|(end, place)| {
+            let apart = guard_of_side(touches.get(place), self.limit.apart(end.depth, end.rate));
+            [Some(apart), self.limit.firm(end.depth)]
+        });
+        distances.flatten().zip(g).map(|(distance, g)| *g = distance).count()
     }
 
-    /// Names of the ends of travel, and how far they are from pressing and from doing so in full.
-    fn ends(&self, q: f64, w: f64) -> impl Iterator<Item = (&'static str, f64)> {
-        let lower = self.lower.map(|lower| ("lower", self.limit.apart(lower - q, -w)));
-        let lower_firm = self.lower.and_then(|lower| Some(("lower_firm", self.limit.firm(lower - q)?)));
-        let upper = self.upper.map(|upper| ("upper", self.limit.apart(q - upper, w)));
-        let upper_firm = self.upper.and_then(|upper| Some(("upper_firm", self.limit.firm(q - upper)?)));
-        [lower, lower_firm, upper, upper_firm].into_iter().flatten()
+    /// Finds which ends touch; returns whether any has changed.
+    pub(crate) fn settle(&self, q: f64, w: f64, touches: &mut [f64]) -> bool {
+        let sides = self.ends(q, w).zip(touches);
+        sides.fold(false, |changed, (end, touches)| {
+            settle(touches, self.limit.apart(end.depth, end.rate)) || changed
+        })
+    }
+
+    /// The ends of travel that there are.
+    fn ends(&self, q: f64, w: f64) -> impl Iterator<Item = End> {
+        let lower = self.lower.map(|lower| End {
+            name: "lower",
+            words: LOWER_END,
+            firm: ["yields at the lower end", "presses fully at the lower end"],
+            side: -1.0,
+            depth: lower - q,
+            rate: -w,
+        });
+        let upper = self.upper.map(|upper| End {
+            name: "upper",
+            words: UPPER_END,
+            firm: ["yields at the upper end", "presses fully at the upper end"],
+            side: 1.0,
+            depth: q - upper,
+            rate: w,
+        });
+        [lower, upper].into_iter().flatten()
     }
 
     /// What spring, damper and both ends of travel store and turn into heat.
-    pub(crate) fn energy(&self, q: f64, w: f64) -> Energy {
-        let above = self.upper.map(|upper| self.limit.energy(None, q - upper, w));
-        let below = self.lower.map(|lower| self.limit.energy(None, lower - q, -w));
+    pub(crate) fn energy(&self, q: f64, w: f64, touches: &[f64]) -> Energy {
         let inside = spring_energy(self.stiffness, self.damping, q - self.equilibrium, w);
-        inside + above.unwrap_or_default() + below.unwrap_or_default()
+        self.ends(q, w).zip(0..).fold(inside, |sum, (end, place)| {
+            sum + self.limit.energy(touches.get(place).map(|touches| *touches != 0.0), end.depth, end.rate)
+        })
     }
 
     /// Reports a start that is given and not within the limits. Where none is given, a closed loop may lead elsewhere than to zero, and

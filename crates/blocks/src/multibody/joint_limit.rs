@@ -1,6 +1,7 @@
 //! The end of travel of a joint: a spring and damper that set in smoothly.
 
 use blocksim_block::physical::{Energy, Torque};
+use blocksim_block::prelude::*;
 
 /// Law of both ends of travel.
 #[derive(Debug, Clone, Copy)]
@@ -49,6 +50,14 @@ impl JointLimit {
         Torque { value: self.stiffness * depth + self.damping * rate, slope: self.damping }
     }
 
+    /// [`held`](Self::held) where the law is held on a side, [`push`](Self::push) where it is not.
+    pub(crate) fn load(&self, touches: Option<bool>, depth: f64, rate: f64) -> Torque {
+        match touches {
+            Some(touches) => self.held(touches, depth, rate),
+            None => self.push(depth, rate),
+        }
+    }
+
     /// How far from pressing: negative while [`push`](Self::push) is above zero, zero where it sets in and where it ends, which
     /// is before the parts are away from each other if a damper holds them back.
     pub(crate) fn apart(&self, depth: f64, rate: f64) -> f64 {
@@ -79,6 +88,25 @@ impl JointLimit {
         let heat = if touches { self.damping * rate * rate } else { -self.stiffness * depth * rate };
         Energy { stored, dissipated: onset * heat, ..Energy::default() }
     }
+}
+
+/// What it is called where the lower end of travel touches, and where it no longer does.
+pub(crate) const LOWER_END: &[Change; 2] =
+    &[Change::to(1.0, "touches the lower end"), Change::to(0.0, "leaves the lower end")];
+/// The same for the upper end.
+pub(crate) const UPPER_END: &[Change; 2] =
+    &[Change::to(1.0, "touches the upper end"), Change::to(0.0, "leaves the upper end")];
+
+/// Makes a side touch, 1, or not, 0, by how far it is from pressing; returns whether that has changed. At zero itself it stays what it
+/// is.
+pub(crate) fn settle(touches: &mut f64, apart: f64) -> bool {
+    let presses = f64::from(apart < 0.0);
+    apart != 0.0 && std::mem::replace(touches, presses) != presses
+}
+
+/// The guard of a side that is held: not negative while it is the right one.
+pub(crate) fn guard_of_side(touches: Option<&f64>, apart: f64) -> f64 {
+    if touches.is_some_and(|touches| *touches != 0.0) { -apart } else { apart }
 }
 
 #[cfg(test)]

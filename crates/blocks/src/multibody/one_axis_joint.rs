@@ -96,17 +96,21 @@ impl Component for OneAxisJoint {
     }
 
     fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {
-        let inside = self.inside.torque(c.joint[0].q, c.joint[0].w);
+        let inside = self.inside.torque(c.joint[0].q, c.joint[0].w, c.d);
         tau[0] = Torque { value: inside.value + c.scalar(0), slope: inside.slope };
     }
 
     fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        self.inside.guards(c.joint[0].q, c.joint[0].w, g);
+        self.inside.guards(c.joint[0].q, c.joint[0].w, c.d, g);
+    }
+
+    fn jump(&self, c: &Flowing, _x: &mut [f64], d: &mut [f64]) -> bool {
+        self.inside.settle(c.joint[0].q, c.joint[0].w, d)
     }
 
     fn energy(&self, c: &Flowing) -> Energy {
         let joint = c.joint[0];
-        self.inside.energy(joint.q, joint.w) + Energy::supplied(c.scalar(0) * joint.w)
+        self.inside.energy(joint.q, joint.w, c.d) + Energy::supplied(c.scalar(0) * joint.w)
     }
 
     fn measure_motion(&self, c: &Loaded, y: &mut [f64]) {

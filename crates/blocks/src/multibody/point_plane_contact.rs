@@ -1,7 +1,7 @@
 use blocksim_block::physical::{Domain, Element, FrameMotion, Wrench};
 use blocksim_block::prelude::*;
 
-use super::joint_limit::JointLimit;
+use super::joint_limit::{JointLimit, guard_of_side, settle};
 use super::vector::{add, between, dot, scale, sub, to_world, velocity_seen};
 
 /// A point that touches a plane: the origin of `follower` against the x-y plane of `base`, whose z axis points out of
@@ -39,6 +39,8 @@ pub struct PointPlaneContact {
     pub threshold: f64,
 }
 
+const PLANE: &[Change; 2] = &[Change::to(1.0, "touches the plane"), Change::to(0.0, "leaves the plane")];
+
 /// What happens at the point.
 struct Touch {
     /// Depth below the plane, m; negative above it.
@@ -54,7 +56,8 @@ struct Touch {
 }
 
 impl PointPlaneContact {
-    fn touch(&self, frames: &[FrameMotion]) -> Touch {
+    /// Where the normal force jumps, it is known whether the point `touches`; elsewhere that is empty.
+    fn touch(&self, frames: &[FrameMotion], touches: &[f64]) -> Touch {
         let (plane, point) = (&frames[0], &frames[1]);
         let out = to_world(plane, [0.0, 0.0, 1.0]);
         let depth = -dot(sub(point.position, plane.position), out);
@@ -62,7 +65,7 @@ impl PointPlaneContact {
         let rise = dot(velocity, out);
         let along = sub(velocity, scale(rise, out));
         let slip = dot(along, along).sqrt();
-        let normal = self.ground().push(depth, -rise).value;
+        let normal = self.ground().load(touches.first().map(|touches| *touches != 0.0), depth, -rise).value;
         let grip = if slip > 0.0 { -self.grip(normal, slip) / slip } else { 0.0 };
         Touch { depth, normal, rise, slip, force: add(scale(normal, out), scale(grip, along)) }
     }
@@ -87,8 +90,11 @@ impl Component for PointPlaneContact {
             .measures("slip", "m/s", Needs::State, "speed of the point along the plane")
             .element(Element::FrameForce { frame: 0 })
             .element(Element::FrameForce { frame: 1 })
-            .kink("touch", "leaves the plane", "touches the plane")
             .guards_of_state();
+        let part = match self.ground().is_sudden() {
+            true => part.mode("touch", PLANE),
+            false => part.kink("touch", "leaves the plane", "touches the plane"),
+        };
         if self.transition > 0.0 {
             part.kink("firm", "yields on the plane", "presses fully on the plane")
         } else {
@@ -97,23 +103,30 @@ impl Component for PointPlaneContact {
     }
 
     fn wrenches(&self, c: &Moving, f: &mut [Wrench]) {
-        f.copy_from_slice(&between(&c.frames[0], &c.frames[1], self.touch(c.frames).force));
+        f.copy_from_slice(&between(&c.frames[0], &c.frames[1], self.touch(c.frames, c.d).force));
     }
 
     fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        let touch = self.touch(c.frames);
-        let values = std::iter::once(self.ground().apart(touch.depth, -touch.rise));
+        let touch = self.touch(c.frames, c.d);
+        let apart = self.ground().apart(touch.depth, -touch.rise);
+        let values = std::iter::once(guard_of_side(c.d.first(), apart));
         g.iter_mut().zip(values.chain(self.ground().firm(touch.depth))).for_each(|(g, value)| *g = value);
     }
 
+    fn jump(&self, c: &Flowing, _x: &mut [f64], d: &mut [f64]) -> bool {
+        let touch = self.touch(c.frames, c.d);
+        d.first_mut().is_some_and(|touches| settle(touches, self.ground().apart(touch.depth, -touch.rise)))
+    }
+
     fn energy(&self, c: &Flowing) -> Energy {
-        let touch = self.touch(c.frames);
+        let touch = self.touch(c.frames, c.d);
         let grip = self.grip(touch.normal, touch.slip);
-        self.ground().energy(None, touch.depth, -touch.rise) + Energy::dissipated(grip * touch.slip)
+        let touches = c.d.first().map(|touches| *touches != 0.0);
+        self.ground().energy(touches, touch.depth, -touch.rise) + Energy::dissipated(grip * touch.slip)
     }
 
     fn measure_state(&self, c: &Moving, y: &mut [f64]) {
-        let touch = self.touch(c.frames);
+        let touch = self.touch(c.frames, c.d);
         y[..3].copy_from_slice(&[touch.normal, touch.depth, touch.slip]);
     }
 }

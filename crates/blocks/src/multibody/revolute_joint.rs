@@ -117,20 +117,20 @@ mod tests {
 
     #[test]
     fn spring_and_damper_pull_towards_the_equilibrium() {
-        assert_eq!(JOINT.inside().torque(1.5, 2.0), Torque { value: -4.5, slope: 0.25 });
+        assert_eq!(JOINT.inside().torque(1.5, 2.0, &[]), Torque { value: -4.5, slope: 0.25 });
     }
 
     #[test]
     fn limits_push_back_into_the_free_range() {
         let joint = RevoluteJoint { stiffness: 0.0, damping: 0.0, ..JOINT };
-        assert!((joint.inside().torque(2.1, 0.0).value + 10.0).abs() < 1e-12);
-        assert!((joint.inside().torque(-1.1, 0.0).value - 10.0).abs() < 1e-12);
+        assert!((joint.inside().torque(2.1, 0.0, &[]).value + 10.0).abs() < 1e-12);
+        assert!((joint.inside().torque(-1.1, 0.0, &[]).value - 10.0).abs() < 1e-12);
         assert!(
-            (joint.inside().torque(-1.1, -0.5).value - 15.0).abs() < 1e-12,
+            (joint.inside().torque(-1.1, -0.5, &[]).value - 15.0).abs() < 1e-12,
             "moving further in adds damping"
         );
-        assert_eq!(joint.inside().torque(2.1, -2.0).value, 0.0, "moving out fast must not be held back");
-        assert_eq!(joint.inside().torque(0.0, 100.0).value, 0.0);
+        assert_eq!(joint.inside().torque(2.1, -2.0, &[]).value, 0.0, "moving out fast must not be held back");
+        assert_eq!(joint.inside().torque(0.0, 100.0, &[]).value, 0.0);
     }
 
     #[test]

@@ -152,6 +152,13 @@ fn transform(base: usize, follower: usize, placement: &Placement) -> Element {
     }
 }
 
+/// What an axis has among the modes of all, which it takes away.
+fn own<'a>(inside: &Inside, touches: &mut &'a [f64]) -> &'a [f64] {
+    let (own, rest) = touches.split_at(inside.modes());
+    *touches = rest;
+    own
+}
+
 impl Component for Robot {
     fn locate(&mut self, files: &dyn Files) {
         for shape in self.robot.shapes_mut() {
@@ -228,23 +235,39 @@ impl Component for Robot {
     }
 
     fn joint_torques(&self, c: &Moving, tau: &mut [Torque]) {
+        let mut touches = c.d;
         for (axis, ((to, joint), input)) in tau.iter_mut().zip(c.joint).zip(c.input(0)).enumerate() {
-            *to = self.inside(axis).torque(joint.q, joint.w);
+            let inside = self.inside(axis);
+            *to = inside.torque(joint.q, joint.w, own(&inside, &mut touches));
             to.value += input;
         }
     }
 
     fn guards_of_state(&self, c: &Moving, g: &mut [f64]) {
-        let joints = c.joint.iter().enumerate();
+        let (joints, mut touches) = (c.joint.iter().enumerate(), c.d);
         joints.fold(0, |first, (axis, joint)| {
-            first + self.inside(axis).guards(joint.q, joint.w, &mut g[first..])
+            let inside = self.inside(axis);
+            first + inside.guards(joint.q, joint.w, own(&inside, &mut touches), &mut g[first..])
         });
     }
 
+    fn jump(&self, c: &Flowing, _x: &mut [f64], d: &mut [f64]) -> bool {
+        let (mut changed, mut first) = (false, 0);
+        for (axis, joint) in c.joint.iter().enumerate() {
+            let inside = self.inside(axis);
+            let touches = &mut d[first..first + inside.modes()];
+            changed |= inside.settle(joint.q, joint.w, touches);
+            first += touches.len();
+        }
+        changed
+    }
+
     fn energy(&self, c: &Flowing) -> Energy {
-        let axes = c.joint.iter().zip(c.input(0)).enumerate();
+        let (axes, mut touches) = (c.joint.iter().zip(c.input(0)).enumerate(), c.d);
         axes.fold(Energy::default(), |sum, (axis, (joint, torque))| {
-            sum + self.inside(axis).energy(joint.q, joint.w) + Energy::supplied(torque * joint.w)
+            let inside = self.inside(axis);
+            let own = inside.energy(joint.q, joint.w, own(&inside, &mut touches));
+            sum + own + Energy::supplied(torque * joint.w)
         })
     }
 
