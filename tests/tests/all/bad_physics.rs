@@ -179,6 +179,22 @@ fn nothing_there_that_has_inertia() {
 }
 
 #[test]
+fn a_drive_of_a_joint_with_one_side_connected() {
+    check(
+        r#""w": World, "a": RevoluteJoint(axis: [0, 1, 0]), "b": RevoluteJoint(axis: [0, 1, 0]), "upper": Body(mass: 1, moi: [1, 1, 1]), "lower": Body(mass: 1, moi: [1, 1, 1]), "s": RotationalSpring(k: 3),"#,
+        r#""w.frame <-> a.base", "a.follower <-> upper.frame <-> b.base", "b.follower <-> lower.frame", "a.r <-> s.r", "b.c <-> s.c""#,
+        &expect![[r#"
+            error[missing_reference]: nothing holds `a.c`, against which the joint moves what is connected to `a.r`
+              model.ron:4:17 `"a"` `a` has both sides of the drive
+              help: connect it to a RotationalReference, or to the part that the drive is mounted on
+            error[missing_reference]: nothing drives `b.r`, against which the joint moves what is connected to `b.c`
+              model.ron:4:54 `"b"` `b` has both sides of the drive
+              help: connect the drive to it
+        "#]],
+    );
+}
+
+#[test]
 fn ideal_voltages_in_parallel() {
     check(
         r#""a": VoltageSource(v: 5), "b": VoltageSource(v: 6), "r": Resistor(r: 1), "g": ElectricalReference,"#,

@@ -226,6 +226,20 @@ impl<'a> Members<'a> {
         })
     }
 
+    /// A joint that drives a node against another one which nothing else is connected to: the joint, that other node, and whether it is
+    /// the case.
+    fn loose_drive(&self, node: usize) -> Option<(usize, usize, bool)> {
+        self.elements().find_map(|(member, element)| {
+            let Element::Joint { freedoms, .. } = element else { return None };
+            let drives = freedoms.iter().filter_map(|freedom| freedom.axis()?.drive);
+            let sides = drives.flat_map(|(rod, case)| [(rod, case, true), (case, rod, false)]);
+            let mut loose = sides.filter(|(port, ..)| self.node(member, *port) == node);
+            let (_, other, is_case) =
+                loose.find(|(_, other, _)| self.terminals[0][self.node(member, *other)].len() == 1)?;
+            Some((member, self.node(member, other), is_case))
+        })
+    }
+
     /// The free speed of a node moves nothing.
     pub(crate) fn no_inertia(&self, node: usize) -> NetworkProblem {
         let terminals = &self.terminals[0][node];
@@ -239,6 +253,21 @@ impl<'a> Members<'a> {
                 format!("connect it; a case goes to a {reference}"),
             )
             .with(only.member, "has this port")
+        } else if let Some((member, other, is_case)) = self.loose_drive(node) {
+            let other = self.node_name(other);
+            let (holds, help) = if is_case {
+                ("holds", format!("connect it to a {reference}, or to the part that the drive is mounted on"))
+            } else {
+                ("drives", "connect the drive to it".to_owned())
+            };
+            NetworkProblem::new(
+                "missing_reference",
+                format!(
+                    "nothing {holds} `{other}`, against which the joint moves what is connected to `{name}`"
+                ),
+                help,
+            )
+            .with(member, "has both sides of the drive")
         } else {
             let (code, help) = if self.is_held(domain) {
                 ("no_inertia", format!("add {part} there, or couple the node to something that has one"))
