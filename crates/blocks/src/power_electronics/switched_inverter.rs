@@ -14,14 +14,17 @@ use crate::machines::space_vector::turned;
 /// carrier, once or twice in each of its periods (`sampling`), at the angle of the middle of the time that the sample
 /// holds for; the edges follow from the duties and are hit exactly. With `Natural` sampling they lie where the references
 /// themselves cross the carrier: the angle runs on within each half of a period, at the amplitude and frequency of its
-/// beginning, so that the crossing is known beforehand; where the references of a discontinuous law jump, they are looked at again. It takes the same inputs as `AveragedInverter`, which
-/// gives the mean of these voltages.
+/// beginning, so that the crossing is known beforehand; where the references of a discontinuous law jump, they are looked at again. It
+/// takes the same inputs as `AveragedInverter`, which gives the mean of these voltages.
 ///
 /// `integration: Together` leaves the circuit to the solver of the diagram, which stops at every edge. `Separate`
 /// integrates the circuit by itself, from edge to edge, and couples it to the mechanics every so many periods of the
 /// carrier: the shaft gets the mean torque of these periods, the machine the speed that is expected for them. That is
 /// many times faster, and exact to third order in the length of a coupling step, but for what the ripple of the torque does to loads,
-/// which falls with the square of the switching frequency. Where that misses the relative tolerance of the run, as with a light
+/// which falls with the square of the switching frequency. The inputs are held over a coupling step: those of a controller
+/// that is sampled with it, or a whole number of times less often, are exact; those that change all the time, such as a
+/// ramp of the frequency, come late by half a step in the mean, of which the estimate of the error knows nothing. Where
+/// the coupling misses the relative tolerance of the run, as with a light
 /// rotor and a slow carrier, a coupling step is divided into up to 64 parts, whose torques follow the ripple. What remains beyond the
 /// tolerance is estimated in a warning at the end of the run, and where a shaft does not move at all as its circuit has
 /// expected, the run ends with an error. Methods of fixed step do not divide. What needs voltages (powers, RMS voltages, slip,
