@@ -37,12 +37,13 @@ const MORE: [&str; 23] = [
 ];
 
 /// Kinds that have guards or modes: who adds one adds it here, and none may get lost.
-const WATCHED: [&str; 50] = [
+const WATCHED: [&str; 53] = [
     "Abs",
     "Accumulator",
     "Atan2",
     "Backlash",
     "Brake",
+    "CheckValve",
     "ChopperControl",
     "Clutch",
     "Compare",
@@ -71,6 +72,7 @@ const WATCHED: [&str; 50] = [
     "Quantizer",
     "RateLimiter",
     "Relay",
+    "ReliefValve",
     "RevoluteJoint",
     "Robot",
     "RotationalFriction",
@@ -87,6 +89,7 @@ const WATCHED: [&str; 50] = [
     "TranslationalHardStop",
     "TranslationalRigidStop",
     "TranslationalSpringDamper",
+    "VariableOrifice",
     "VariableTransportDelay",
 ];
 

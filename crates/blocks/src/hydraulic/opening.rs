@@ -55,6 +55,16 @@ pub(crate) fn smooth_share(p: f64, from: f64, to: f64) -> (f64, f64) {
     (x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x) / (to - from))
 }
 
+/// Adds the events of an opening that follows something between two values: a step over one of them may see nothing of it.
+pub(crate) fn with_ends(part: Part) -> Part {
+    part.kink("opens", "opens", "closes").kink("whole", "is fully open", "is no longer fully open")
+}
+
+/// Their guards, for what it follows and the two values.
+pub(crate) fn ends_of_opening(p: f64, from: f64, to: f64, g: &mut [f64]) {
+    g[..2].copy_from_slice(&[p - from, p - to]);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

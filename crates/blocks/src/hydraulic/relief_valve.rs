@@ -2,7 +2,7 @@ use blocksim_block::physical::{Characteristics, Handle, Pin};
 use blocksim_block::prelude::*;
 
 use super::ends;
-use super::opening::{Opening, smooth_share};
+use super::opening::{Opening, ends_of_opening, smooth_share, with_ends};
 
 /// The opening.
 const SEAT: Handle = Handle::new("seat");
@@ -42,10 +42,11 @@ pub struct ReliefValve {
 
 impl Component for ReliefValve {
     fn part(&self, _given: &Given) -> Part {
-        ends()
+        let part = ends()
             .named(SEAT, self.opening.element(Pin::Port(0), Pin::Port(1), self.area))
             .reads("q", "m^3/s", Reading::Current(SEAT), "volume flow from a to b")
-            .reads("dp", "Pa", Reading::Voltage(SEAT), "pressure at a above that at b")
+            .reads("dp", "Pa", Reading::Voltage(SEAT), "pressure at a above that at b");
+        with_ends(part)
     }
 
     fn characteristics(&self, _c: &Moving, curves: &mut Characteristics) {
@@ -55,6 +56,10 @@ impl Component for ReliefValve {
         let area = self.leakage + share * span;
         curves.current(SEAT, area * q);
         curves.slope(SEAT, SEAT, area * slope + rise * span * q);
+    }
+
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
+        ends_of_opening(c.voltage(SEAT), self.p_set, self.p_set + self.regulation, g);
     }
 
     fn energy(&self, c: &Flowing) -> Energy {

@@ -2,7 +2,7 @@ use blocksim_block::physical::{Characteristics, Handle, Pin};
 use blocksim_block::prelude::*;
 
 use super::ends;
-use super::opening::Opening;
+use super::opening::{Opening, ends_of_opening, with_ends};
 
 /// The opening.
 const EDGE: Handle = Handle::new("edge");
@@ -43,16 +43,21 @@ impl VariableOrifice {
 
 impl Component for VariableOrifice {
     fn part(&self, _given: &Given) -> Part {
-        ends()
+        let part = ends()
             .input(Input::real("s").scalar().unit("1").doc("how far it is open: 0 to 1"))
             .named(EDGE, self.opening.element(Pin::Port(0), Pin::Port(1), self.area))
-            .reads("q", "m^3/s", Reading::Current(EDGE), "volume flow from a to b")
+            .reads("q", "m^3/s", Reading::Current(EDGE), "volume flow from a to b");
+        with_ends(part)
     }
 
     fn characteristics(&self, c: &Moving, curves: &mut Characteristics) {
         let (area, (q, slope)) = (self.area(c), self.opening.jet(curves.voltage(EDGE)));
         curves.current(EDGE, area * q);
         curves.slope(EDGE, EDGE, area * slope);
+    }
+
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
+        ends_of_opening(c.scalar(0), 0.0, 1.0, g);
     }
 
     fn energy(&self, c: &Flowing) -> Energy {
