@@ -106,3 +106,34 @@ fn stick_slip_over_a_falling_friction_has_the_same_events_with_all_methods() {
         }
     }
 }
+
+/// What slides to rest with a friction whose peak about standstill is a millimetre a second wide, from many speeds: the last step is a hundred
+/// times as long as the peak takes. It sticks after the integral of `m dv / F(v)`.
+#[test]
+fn the_peak_of_the_friction_about_standstill_is_not_passed_over() {
+    let (peak, coulomb, viscous, width) = (8.0, 4.0, 0.5, 1e-3 * f64::sqrt(2.0));
+    // By Simpson's rule up to 20 mm/s, beyond which nothing is left of the peak.
+    let (edge, parts) = (0.02, 20_000);
+    let friction = |v: f64| coulomb + viscous * v + peak * (-(v / width).powi(2)).exp();
+    let weight = |k: i32| if k == 0 || k == parts { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
+    let sum: f64 = (0..=parts).map(|k| weight(k) / friction(edge * f64::from(k) / f64::from(parts))).sum();
+    let slow = sum * edge / f64::from(parts) / 3.0;
+    let fast = |v0: f64| ((coulomb + viscous * v0) / (coulomb + viscous * edge)).ln() / viscous;
+    for solver in SOLVERS {
+        for v0 in (0..12).map(|k| 2.0 + 0.17 * f64::from(k)) {
+            let run = run_blocks(
+                "2 s",
+                solver,
+                &format!(
+                    r#""m": Mass(m: 1, v0: {v0:?}), "w": TranslationalReference, "s": Scope(inputs: ["v"]), "x": TranslationalMotionSensor,
+                       "f": TranslationalFriction(
+                           breakaway: 12, coulomb: 4, breakaway_velocity: 0.001, viscous: 0.5, model: Stiction)"#
+                ),
+                r#""m.r <-> f.r <-> x.r", "w.r <-> f.c <-> x.c", "x.v -> s.v""#,
+            );
+            let told = modes(&run, "f");
+            assert_eq!(told.len(), 1, "{solver}: {:?}", run.events);
+            close(told[0], slow + fast(v0), 1e-5, &format!("{solver}, {v0} m/s"));
+        }
+    }
+}
