@@ -52,8 +52,15 @@ fn a_move_is_planned_run_and_looked_at_with_keys_alone() {
     page.until("location.hash.startsWith('#runs/') && document.querySelector('iframe.run-page')");
     tab_to(&mut page, "iframe.run-page");
     // The list of all keys, and away from it.
-    page.value("document.activeElement.blur()");
-    page.key("?");
+    // The page of the run may still be loading, and take the focus and the key.
+    for _ in 0..50 {
+        page.value("document.activeElement.blur()");
+        page.key("?");
+        if page.value("document.getElementById('keys').open") == true {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(100));
+    }
     page.until("document.getElementById('keys').open");
     page.key("Escape");
     page.until("!document.getElementById('keys').open");
