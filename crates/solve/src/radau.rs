@@ -476,6 +476,14 @@ mod tests {
     }
 
     #[test]
+    fn the_place_between_fits_the_matrix() {
+        // The slope of the polynomial over itself there, by its zeros.
+        let found = C.into_iter().fold(1.0 / BETWEEN, |sum, c| sum + 1.0 / (BETWEEN - c));
+        assert!((found / REAL - 1.0).abs() < 1e-13, "{found}");
+        assert!(C[0] < BETWEEN && BETWEEN < C[1]);
+    }
+
+    #[test]
     fn the_coordinates_take_the_equations_apart() {
         // T [gamma 0 0; 0 a b; 0 -b a] I is the inverse of the matrix.
         let (a, b) = PAIR;

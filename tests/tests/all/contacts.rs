@@ -283,3 +283,49 @@ fn a_joint_at_its_end_takes_along_what_has_stood_still() {
         assert_eq!(run.events.len(), 2, "{solver}: {:?}", run.events);
     }
 }
+
+/// The second axis of a `Robot` is pushed against its upper end and the first one against its lower end, both damped and without a transition: as
+/// the same arm of single joints moves.
+#[test]
+fn the_axes_of_a_robot_touch_their_own_ends() {
+    let ends = r#"limit_stiffness: 2000.0, limit_damping: 5.0, limit_transition: 0"#;
+    let limits =
+        |lower: f64, upper: f64| format!("(lower: {lower:?}, upper: {upper:?}, speed: 2, acceleration: 9)");
+    let body = "mass: 2, com: [0, 0, 0.2], moi: [0.06, 0.06, 0.01]";
+    let robot = format!(
+        r#""w": World(gravity: [0, 0, 0]), "push": Constant(value: [-3, 2]), "show": Scope(inputs: ["q", "v"]), "r": Robot({ends}, robot: (links: [
+               (axis: [0, 1, 0], limits: {}, bodies: [({body})]),
+               (origin: (translation: [0, 0, 0.5]), axis: [0, 1, 0], limits: {}, bodies: [({body})])]))"#,
+        limits(-0.4, 3.0),
+        limits(-3.0, 0.5)
+    );
+    let robot_wires = r#""w.frame <-> r.base", "push.y -> r.torque", "r.q -> show.q", "r.w -> show.v""#;
+    let joints = format!(
+        r#""w": World(gravity: [0, 0, 0]), "pa": Constant(value: -3), "pb": Constant(value: 2), "show": Scope(inputs: ["qa", "qb", "va", "vb"]),
+           "a": RevoluteJoint(axis: [0, 1, 0], lower: -0.4, upper: 3, {ends}), "first": Body({body}),
+           "b": RevoluteJoint(axis: [0, 1, 0], lower: -3, upper: 0.5, {ends}), "second": Body({body}), "arm": Transform(translation: [0, 0, 0.5])"#
+    );
+    let joint_wires = r#""w.frame <-> a.base", "a.follower <-> first.frame <-> arm.base", "arm.follower <-> b.base",
+        "b.follower <-> second.frame", "pa.y -> a.torque", "pb.y -> b.torque",
+        "a.q -> show.qa", "b.q -> show.qb", "a.w -> show.va", "b.w -> show.vb""#;
+    for solver in ["Ode45(rtol: 1e-9)", "Radau5(rtol: 1e-9)"] {
+        let whole = run_blocks("2 s", solver, &robot, robot_wires);
+        let single = run_blocks("2 s", solver, &joints, joint_wires);
+        for (a, b) in [("q[0]", "qa"), ("q[1]", "qb"), ("v[0]", "va"), ("v[1]", "vb")] {
+            let [found, expected] = [whole.last(&format!("show.{a}")), single.last(&format!("show.{b}"))];
+            close(found, expected, 1e-6, &format!("{solver}: {a}"));
+        }
+        let told =
+            |run: &blocksim_tests::Run| run.events.iter().map(|event| event.2.clone()).collect::<Vec<_>>();
+        let of_joints: Vec<String> = single
+            .events
+            .iter()
+            .map(|(_, path, what)| format!("{what} (axis {})", if path == "a" { 1 } else { 2 }))
+            .collect();
+        assert_eq!(told(&whole), of_joints, "{solver}");
+        assert!(
+            of_joints.iter().any(|what| what.contains("lower"))
+                && of_joints.iter().any(|what| what.contains("upper"))
+        );
+    }
+}
