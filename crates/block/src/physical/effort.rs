@@ -30,7 +30,8 @@ pub struct Grip {
 pub struct Stop {
     /// Part of the speed that is left after a bounce, 0 to 1.
     pub restitution: f64,
-    /// How far it is beyond its end, rad or m: nothing where ends are located, a part of a step where they are not.
+    /// How far it is beyond its end, rad or m, as far as its position says: hardly anything where ends are located, a part of a step
+    /// where they are not. What would rise no further than that does not bounce.
     pub depth: f64,
 }
 

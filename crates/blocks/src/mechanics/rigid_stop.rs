@@ -24,6 +24,9 @@ const AT_REST: &[Change] = &[Change::to(0.0, "rests at its end"), Change::from(0
 const AT_END: f64 = 1e-6;
 const LEAST: f64 = 1e-3;
 
+/// A bounce that rises by less than this part of the position is lost in rounding: the next steps do not leave the end.
+const ROUNDED: f64 = 1e3 * f64::EPSILON;
+
 /// Reports a travel without an end.
 pub(crate) fn without_end() -> ParamError {
     ParamError::new("lower", "the travel has no end").help("give `lower`, `upper` or both")
@@ -65,10 +68,10 @@ impl RigidStop {
 
     /// Nothing is held within the travel, everything at its ends.
     fn grip(&self, position: f64) -> Grip {
-        let upper = self.upper.filter(|upper| position >= *upper).map(|upper| position - upper);
-        let lower = self.lower.filter(|lower| position <= *lower).map(|lower| lower - position);
+        let upper = self.upper.filter(|upper| position >= *upper);
+        let lower = self.lower.filter(|lower| position <= *lower);
         let hold = [upper, lower].map(|beyond| if beyond.is_some() { f64::INFINITY } else { 0.0 });
-        let depth = upper.or(lower).unwrap_or(0.0);
+        let depth = upper.or(lower).map_or(0.0, |end| (position - end).abs().max(ROUNDED * end.abs()));
         Grip { hold, stop: Some(Stop { restitution: self.restitution, depth }), ..Grip::default() }
     }
 
