@@ -149,6 +149,7 @@ impl Block for Network {
 
     fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
         self.note_prescribed_speeds(c, d);
+        self.note_inputs(c, d);
         false
     }
 

@@ -137,6 +137,8 @@ pub(crate) struct Held {
     pub missed: usize,
     /// What [`errors`](Self::errors) divides.
     pub errors: Range<usize>,
+    /// What the last steps say of the inputs, each in so many cells as [`InputCells`](crate::electrics::inputs::InputCells) counts.
+    pub inputs: Range<usize>,
 }
 
 impl Held {

@@ -405,3 +405,73 @@ fn a_coupling_that_misses_the_tolerance_is_told_with_its_error() {
         assert!((0.2 * error..5.0 * error).contains(&told), "{told} is told of {error}, {periods} periods");
     }
 }
+
+/// A machine runs up by a frequency that is made so, with the amplitude that belongs to it.
+fn moving_text(frequency: [&str; 2], integration: &str, tolerance: &str) -> String {
+    let [blocks, connections] = frequency;
+    format!(
+        r#"Diagram(
+    simulation: (stop_time: "0.2 s", solver: Ode45(rtol: {tolerance}), output: Every("2 ms")),
+    blocks: {{
+        {blocks}
+        "v": Gain(k: "3 V/Hz"),
+        "inverter": SwitchedInverter(
+            vdc: "400 V", switching_frequency: "2 kHz", sampling: Symmetric, integration: {integration},
+        ),
+        "machine": AsynchronousMachine(
+            rated_power: "15 kW", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 1,
+            r_s: "0.25 ohm", x_ls: "0.9 ohm", r_r: "0.14 ohm", x_lr: "0.41 ohm", x_m: "17 ohm",
+        ),
+        "rotor": Inertia(j: "0.05 kg*m^2"), "load": Inertia(j: "0.05 kg*m^2"),
+        "coupling": RotationalSpringDamper(k: "200 N*m/rad", d: "0.1 N*m*s/rad"),
+        "fan": QuadraticLoad(torque: "20 N*m", speed: "310 rad/s"),
+        "frame": RotationalReference, "encoder": MotionSensor, "s": Scope(inputs: ["w", "torque"]),
+    }},
+    connections: [
+        {connections}
+        "f.y -> v.u, inverter.f", "v.y -> inverter.v", "inverter.ac <-> machine.ac",
+        "machine.r <-> rotor.r <-> coupling.r <-> encoder.r", "coupling.c <-> load.r <-> fan.r",
+        "machine.c <-> frame.r <-> fan.c <-> encoder.c", "encoder.w -> s.w", "machine.torque -> s.torque",
+    ],
+)"#
+    )
+}
+
+/// Inputs that move within a coupling step go on as they move; the part of one that is sampled stays where it is. A drive whose
+/// frequency is made from its own speed moves all the time. With inputs held, speeds are off by 1e-3 to 4e-3 of their greatest.
+#[test]
+fn inputs_move_within_a_coupling_step() {
+    let sine = r#""f0": Sine(amplitude: "10 Hz", frequency: "7 Hz", bias: "20 Hz"),"#;
+    let mixed = format!(r#"{sine} "f1": ZeroOrderHold(ts: "2 ms"), "f": Sum(signs: "++"),"#);
+    let sampled = format!(r#"{sine} "f": ZeroOrderHold(ts: "2 ms"),"#);
+    let drives = [
+        ([r#""f": Ramp(slope: "200 Hz/s"),"#, ""], 3e-6),
+        ([r#""f": Sine(amplitude: "10 Hz", frequency: "7 Hz", bias: "40 Hz"),"#, ""], 3e-6),
+        ([&*sampled, r#""f0.y -> f.u","#], 3e-6),
+        ([&*mixed, r#""f0.y -> f1.u, f.u1", "f1.y -> f.u2","#], 3e-6),
+        (
+            [
+                r#""w": Constant(value: "200 rad/s"), "e": Sum(signs: "+-"), "pi": Pid(kp: "0.2 Hz/(rad/s)", ki: "1 Hz/rad"),
+                   "f": Gain(k: 1.0),"#,
+                r#""w.y -> e.u1", "encoder.w -> e.u2", "e.y -> pi.e", "pi.u -> f.u","#,
+            ],
+            6e-5,
+        ),
+    ];
+    for (frequency, allowed) in drives {
+        let exact = run_text(&moving_text(frequency, "Together", "1e-9"));
+        for periods in [1, 4] {
+            let run = run_text(&moving_text(frequency, &format!("Separate(periods: {periods})"), "1e-6"));
+            for (signal, allowed) in [("s.w", allowed), ("s.torque", 10.0 * allowed)] {
+                let size = exact.column(signal).iter().fold(0.0_f64, |most, y| most.max(y.abs()));
+                let at = |run: &Run, t: f64| {
+                    run.column(signal)
+                        [run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row")]
+                };
+                let off = |k: i32| (at(&run, 2e-3 * f64::from(k)) - at(&exact, 2e-3 * f64::from(k))).abs();
+                let off = (0..=100).map(off).fold(0.0, f64::max) / size;
+                assert!(off < allowed, "{frequency:?}, {periods} periods: {signal} is off by {off:.1e}");
+            }
+        }
+    }
+}

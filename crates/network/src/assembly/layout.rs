@@ -11,6 +11,7 @@ use blocksim_multibody::Joint;
 
 use crate::accounts::Accounts;
 use crate::electrics::currents::UNTOLD;
+use crate::electrics::inputs::{InputCells, may_move};
 use crate::electrics::{Branch, Capacitance, Electrics, Separate};
 use crate::mechanics::envelope::Envelope;
 use crate::mechanics::frames::Frames;
@@ -67,8 +68,10 @@ impl Network {
         }
         let mut separate = Separate::of(&electrics);
         for island in &mut separate {
-            for name in ["begin", "end", "parts", "left", "until", "rtol", "need", "least", "lasting", "most"]
-            {
+            for name in [
+                "begin", "end", "parts", "left", "until", "rtol", "need", "least", "lasting", "most", "span",
+                "noted",
+            ] {
                 let start = interface.discrete.len();
                 interface = interface.discrete(format!("{}.{name}", members[island.members[0]].path), 0.0);
                 if name == "begin" {
@@ -124,6 +127,9 @@ impl Network {
                 }
                 if drives_electrics || prescribes_speed {
                     reads[ELECTRICS].push(interface.inputs.len());
+                }
+                if held_by.is_some() && may_move(input) {
+                    interface.notes.push(interface.inputs.len());
                 }
                 let name = format!("{}.{}", member.path, input.name);
                 interface.inputs.push(Input { name, ..input.clone() });
@@ -463,8 +469,22 @@ fn hold(
     let bent_before = cells("bent_before", pins);
     let missed = cells("missed", 2).start;
     let errors = cells("error", 5 * pins);
-    let held =
-        Held { times, x_end, d_end, torque, course, mean, sum, expected, bent, bent_before, missed, errors };
+    let inputs = cells("input", InputCells::COUNT * member.input_lengths.iter().sum::<usize>());
+    let held = Held {
+        times,
+        x_end,
+        d_end,
+        torque,
+        course,
+        mean,
+        sum,
+        expected,
+        bent,
+        bent_before,
+        missed,
+        errors,
+        inputs,
+    };
     (x, d, Some(held))
 }
 

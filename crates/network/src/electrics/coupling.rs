@@ -43,7 +43,7 @@ pub(crate) fn more_parts(parts: f64, need: f64) -> f64 {
 }
 
 /// The smaller of two numbers of one sign, else nothing.
-fn smaller(a: f64, b: f64) -> f64 {
+pub(crate) fn smaller(a: f64, b: f64) -> f64 {
     if a * b <= 0.0 {
         0.0
     } else if a.abs() < b.abs() {

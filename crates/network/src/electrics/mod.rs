@@ -47,6 +47,7 @@ pub(crate) mod cuts;
 pub(crate) mod drift;
 pub(crate) mod float;
 pub(crate) mod heats;
+pub(crate) mod inputs;
 pub(crate) mod loops;
 pub(crate) mod margin;
 pub(crate) mod separate;
@@ -329,6 +330,10 @@ pub(crate) struct Cells {
     /// The same as `need`, remembered over the last trials of divided steps, and the greatest of that.
     pub lasting: usize,
     pub most: usize,
+    /// Length of the last coupling step, or part of one, s.
+    pub span: usize,
+    /// When inputs were noted last, s.
+    pub noted: usize,
 }
 
 impl Separate {
@@ -338,9 +343,9 @@ impl Separate {
     }
 
     pub(crate) fn cells(&self) -> Cells {
-        let [parts, left, until, rtol, need, least, lasting, most] =
-            [2, 3, 4, 5, 6, 7, 8, 9].map(|k| self.times + k);
-        Cells { parts, left, until, rtol, need, least, lasting, most }
+        let [parts, left, until, rtol, need, least, lasting, most, span, noted] =
+            [2, 3, 4, 5, 6, 7, 8, 9, 10, 11].map(|k| self.times + k);
+        Cells { parts, left, until, rtol, need, least, lasting, most, span, noted }
     }
 
     /// The circuits that ask for it; where they lie is not known yet.

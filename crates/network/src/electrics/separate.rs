@@ -11,7 +11,7 @@
 //! valves, whose moment is an error of the angle of order two; the line of its own moment would put it into every reading of a
 //! torque. Between edges Runge-Kutta of order four is used.
 //!
-//! Inputs are held during a coupling step. Outputs that need voltages show means over the step, since an instant of a
+//! Inputs go on as they did in the last steps, see `inputs.rs`. Outputs that need voltages show means over the step, since an instant of a
 //! circuit that switches says little; readings of currents and states show its beginning.
 //!
 //! Where the speeds turn out to be others than were expected, coupling steps are too long; see `coupling.rs`. What that does to
@@ -34,6 +34,9 @@ use crate::work::circuits::Room;
 /// Steps of the integrator in a coupling step, at least, and in a part of one.
 const LEAST: f64 = 4.0;
 const LEAST_OF_PART: f64 = 2.0;
+
+/// Parts of the very first one, in which it is not known how inputs move.
+const FIRST_PARTS: f64 = 16.0;
 
 /// Every so many coupling steps the error is estimated, and in the first ones always, where a drive starts.
 const EVERY: f64 = 16.0;
@@ -90,6 +93,7 @@ impl Network {
     ) -> Result<(), Faulty> {
         let (cells, whole) = (separate.cells(), self.coupling_step());
         let (begins, before) = (d[cells.left] == 0.0, d[cells.parts].max(1.0));
+        self.meet_inputs(separate, c, d, room);
         if !self.meets(separate, c, before, d, room) {
             return Err(Faulty);
         }
@@ -100,6 +104,9 @@ impl Network {
             d[cells.least] = 2.0;
         }
         let mut parts = if begins { self.wanted_parts(separate, tries, d) } else { before };
+        if is_first && d[cells.rtol] > 0.0 && self.has_moving_inputs(separate) {
+            parts = FIRST_PARTS;
+        }
         loop {
             room.step = if parts > 1.0 { whole / parts } else { whole };
             room.is_part = parts > 1.0;
@@ -143,6 +150,7 @@ impl Network {
             d[cells.most] = d[cells.most].max(d[cells.lasting]);
         }
         self.end(separate, own_moment, w, room, d);
+        self.expect_inputs(separate, d, room);
         self.note_error(separate, tries, w, room, d);
         Ok(())
     }
@@ -266,8 +274,8 @@ impl Network {
                 let from = t + i as f64 * h;
                 self.runge_kutta(separate, from, h, c, w, room)?;
                 self.kick(separate, from + h - c.t, room);
-                self.expect(separate, from + h - c.t, w, room);
-                let here = Context { t: from + h, d: &room.d, ..*c };
+                self.expect(separate, from + h - c.t, c, w, room);
+                let here = Context { t: from + h, d: &room.d, u: &room.u, ..*c };
                 self.circuit(separate.island, &here, w)?;
                 self.average(separate, if i + 1 == steps as usize { 0.5 * h } else { h }, w, room);
             }
@@ -291,9 +299,9 @@ impl Network {
         w: &mut Work,
         room: &mut Room,
     ) -> Result<f64, Faulty> {
-        self.expect(separate, t - c.t, w, room);
+        self.expect(separate, t - c.t, c, w, room);
         {
-            let here = Context { t, d: &room.d, ..*c };
+            let here = Context { t, d: &room.d, u: &room.u, ..*c };
             self.circuit(separate.island, &here, w)?;
         }
         let mut changed = false;
@@ -303,13 +311,13 @@ impl Network {
             let mut memory = std::mem::take(&mut room.slope);
             copy(&mut x, &room.d[seat.x.clone()]);
             copy(&mut memory, &room.d[seat.d.clone()]);
-            let here = Context { t, d: &room.d, ..*c };
+            let here = Context { t, d: &room.d, u: &room.u, ..*c };
             changed |= component.jump(&self.flowing_law(&here, seat, w), &mut x, &mut memory);
             room.d[seat.x.clone()].copy_from_slice(&x);
             room.d[seat.d.clone()].copy_from_slice(&memory);
             (room.start, room.slope) = (x, memory);
         }
-        let here = Context { t, d: &room.d, ..*c };
+        let here = Context { t, d: &room.d, u: &room.u, ..*c };
         if changed {
             self.circuit(separate.island, &here, w)?;
         }
@@ -318,8 +326,9 @@ impl Network {
         Ok(times.fold(f64::INFINITY, f64::min))
     }
 
-    /// Expected speeds, `s` after the hit.
-    fn expect(&self, separate: &Separate, s: f64, w: &mut Work, room: &Room) {
+    /// Expected speeds and inputs, `s` after the hit.
+    fn expect(&self, separate: &Separate, s: f64, c: &Context, w: &mut Work, room: &mut Room) {
+        self.lead_inputs(separate, s, c, room);
         let step = room.step;
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             for pin in seat.pins.clone() {
@@ -362,7 +371,7 @@ impl Network {
                 }
             }
             self.kick_within(separate, t - c.t, part * h, room);
-            self.expect(separate, t + part * h - c.t, w, room);
+            self.expect(separate, t + part * h - c.t, c, w, room);
             self.slopes(separate, t + part * h, c, w, room)?;
             room.sum.iter_mut().zip(&room.slope).for_each(|(sum, slope)| *sum += weight * slope);
             for seat in separate.members.iter().map(|i| &self.seats[*i]) {
@@ -396,7 +405,7 @@ impl Network {
         w: &mut Work,
         room: &mut Room,
     ) -> Result<(), Faulty> {
-        let here = Context { t, d: &room.d, ..*c };
+        let here = Context { t, d: &room.d, u: &room.u, ..*c };
         // Between two edges of ideal legs the voltages of the windings stay.
         if !(self.electrics.islands[separate.island].holds && w.circuits[separate.island].is_stiff()) {
             self.circuit(separate.island, &here, w)?;

@@ -2,6 +2,7 @@
 
 use blocksim_block::physical::Torque;
 
+use crate::electrics::inputs::Course;
 use crate::electrics::{Electrics, Island};
 use crate::network::Network;
 
@@ -175,12 +176,18 @@ pub(crate) struct Room {
     pub trial: Vec<f64>,
     /// Sums for the means of what is measured, where the discrete states will hold them.
     pub average: Vec<f64>,
+    /// Inputs of the network at a trial point, and how each of them goes on.
+    pub u: Vec<f64>,
+    pub courses: Vec<Course>,
+    /// One of them moves.
+    pub leads: bool,
 }
 
 impl Room {
     pub(crate) fn new(network: &Network) -> Self {
         let (d, pins) = (network.interface.discrete.len(), network.rotation.pins.len());
         let branches = network.rotation.branches.len();
+        let inputs = network.seats.iter().map(|seat| seat.u.len()).sum();
         let room = Vec::with_capacity;
         Self {
             d: room(d),
@@ -204,6 +211,9 @@ impl Room {
             trial: room(branches),
             yields: room(if network.separate.is_empty() { 0 } else { pins * branches }),
             average: room(d),
+            u: room(inputs),
+            courses: Vec::with_capacity(inputs),
+            leads: false,
         }
     }
 }

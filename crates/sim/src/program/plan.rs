@@ -1,6 +1,7 @@
 //! The schedule as the hot loop wants it: flat, short, without strings.
 
-use std::collections::BTreeMap;
+use std::cell::LazyCell;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -211,7 +212,7 @@ impl Plan {
             guarded: chosen(&|b| b.watched),
             jumping: chosen(&|b| b.interface.jumps),
             early: Early::new(schedule),
-            accepting: chosen(&|b| b.interface.accepts),
+            accepting: accepting(schedule),
             holding: chosen(&|b| b.interface.holds.is_some()),
             remembering: chosen(&|b| b.interface.remembers.is_some()),
             subdividing: chosen(&|b| b.interface.subdivides),
@@ -331,6 +332,24 @@ fn source(unit: &Unit, copies: &[(u32, u32)]) -> Source {
     } else {
         apart
     }
+}
+
+/// Blocks that want to know that a step was accepted, for whom that may be news.
+fn accepting(schedule: &Schedule) -> Vec<usize> {
+    let graph = LazyCell::new(|| Graph::new(schedule));
+    let moves = LazyCell::new(|| -> HashSet<(u32, u32)> {
+        let moving = schedule.steps.iter().filter(|step| matches!(step.when, When::Continuous));
+        moving.map(|step| (step.block, step.group)).collect()
+    });
+    let may_move = |block: &Instance, port: usize| {
+        let (from, len) = block.gather[port];
+        let mut cells = from as usize..(from + len) as usize;
+        cells.any(|cell| {
+            graph.writer(cell).is_some_and(|(block, group)| moves.contains(&(block as u32, group as u32)))
+        })
+    };
+    let wants = |b: &Instance| b.interface.accepts || b.interface.notes.iter().any(|&port| may_move(b, port));
+    schedule.blocks.iter().enumerate().filter(|(_, b)| wants(b)).map(|(i, _)| i).collect()
 }
 
 fn updated(schedule: &Schedule) -> Vec<Updated> {
