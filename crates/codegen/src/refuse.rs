@@ -147,6 +147,10 @@ fn reason(selected: &Selected, at: usize) -> Option<(String, String)> {
     if interface.accepts || interface.subdivides {
         return say("follows the steps of the solver, which the target does not have", leave_out);
     }
+    if interface.outputs.is_empty() && interface.states.is_empty() && interface.discrete.is_empty() {
+        // It only reads: a Terminator.
+        return None;
+    }
     let Some(law) = &block.law else {
         return Some((
             "records no law that could be translated".to_owned(),

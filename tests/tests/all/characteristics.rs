@@ -160,3 +160,26 @@ fn a_current_that_no_voltage_fits_ends_the_run_with_the_way_of_the_search() {
     let message = run.error.expect("a failure").to_string();
     assert!(message.contains("no operating point was found for `d`"), "{message}");
 }
+
+/// The step is far too long for the fluid in the pipes: pressures swing up beyond all bounds within two steps.
+#[test]
+fn a_flow_that_is_no_number_is_called_so() {
+    let text = r#"Diagram(
+        simulation: (stop_time: "0.2 s", solver: Ode4(step: "0.1 ms"), output: Every("1 ms")),
+        blocks: {
+            "pr": Sine(amplitude: "20 bar", bias: "25 bar", frequency: "10 Hz"), "source": HydraulicPressureSource,
+            "inlet": Orifice(area: "20 mm^2"), "p1": HydraulicPipe(length: "3 m", diameter: "12 mm"),
+            "p2": HydraulicPipe(length: "2 m", diameter: "10 mm"), "out": Orifice(area: "10 mm^2"), "t": Tank,
+            "a": Accumulator(volume: "0.2 L", precharge: "10 bar", v0: "0.05 L"), "s": Scope(inputs: ["q"]),
+        },
+        connections: [
+            "pr.y -> source.p", "source.b <-> t.a <-> out.b", "source.a <-> inlet.a", "inlet.b <-> p1.a",
+            "p1.b <-> p2.a <-> a.a", "p2.b <-> out.a", "p2.q -> s.q",
+        ],
+    )"#;
+    let (compiled, problems) = compile_text(text);
+    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    let message = run.error.expect("a failure").to_string();
+    assert!(message.contains("its volume flow is not a finite number"), "{message}");
+    assert!(!message.contains("went"), "nothing was searched: {message}");
+}

@@ -27,8 +27,9 @@ const CONTROL: &str = r#"Diagram(
         "error": Sum(signs: "+-"),
         "sum": DiscreteIntegrator(ts: "10 ms"),
         "limit": Saturation(lower: -2.0, upper: 2.0),
+        "unused": Terminator,
     },
-    connections: ["in.set -> error.u1", "in.actual -> error.u2", "error.y -> sum.u", "sum.y -> limit.u"],
+    connections: ["in.set -> error.u1", "in.actual -> error.u2", "error.y -> sum.u", "sum.y -> limit.u, unused.u"],
 )
 "#;
 

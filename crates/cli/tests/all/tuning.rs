@@ -57,6 +57,32 @@ fn parameters_change_at_their_times_and_are_events() {
     assert!((last(&desk, "plain") - (-2.0_f64).exp()).abs() < 1e-8, "a change after the end has no effect");
 }
 
+/// A step at 0.8 s or 0.3 s comes out when the delay that holds then says so, even where that is at once or a second time.
+#[test]
+fn a_delay_changes_with_what_has_come_out_of_it() {
+    let text = |time: &str| {
+        format!(
+            r#"Diagram(
+                simulation: (stop_time: "3 s"),
+                blocks: {{ "u": Step(time: "{time}"), "b": TransportDelay(delay: "0.5 s"), "i": Integrator, "s": Scope(inputs: ["y"]) }},
+                connections: ["u.y -> b.u", "b.y -> i.u", "i.y -> s.y"],
+            )"#
+        )
+    };
+    let desk = Desk::with(&[("late.ron", &text("0.8 s")), ("early.ron", &text("0.3 s"))]);
+    for (file, delay, integral) in
+        [("late", "0.1", 2.0), ("late", "0.25", 1.95), ("late", "1.5", 0.7), ("early", "1.5", 0.2 + 1.2)]
+    {
+        let run = format!("{file}{delay}");
+        let change = format!("1s:b.delay={delay} s");
+        let answer =
+            desk.call(&["run", &format!("{file}.ron"), "--quiet", "--out", &run, "--change", &change]);
+        assert_eq!(answer.code, Some(0), "{run}: {}", answer.err);
+        let found = last(&desk, &run);
+        assert!((found - integral).abs() < 1e-9, "{run}: {found} and {integral}");
+    }
+}
+
 #[test]
 fn what_cannot_change_ends_the_run_with_the_reason_and_keeps_what_there_is() {
     let desk = Desk::with(&[("decay.ron", DECAY)]);

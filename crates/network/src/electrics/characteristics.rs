@@ -299,19 +299,26 @@ impl Network {
         let steps = room.way.len() / n.max(1);
         let shown = steps.saturating_sub(SHOWN)..steps;
         let way: Vec<String> = shown.map(|step| format!("{:.4e}", room.way[step * n + worst])).collect();
-        let why = match why {
-            NotFound::NotFinite => "its current is not a finite number where the search starts",
-            NotFound::Singular => "nothing determines it: the slopes of the circuit are singular",
-            NotFound::Stuck => "no step brings it closer to a solution",
-            NotFound::TooLong => "the search does not end",
+        let Nodal { across, through, unit, beside, .. } = words;
+        let (why, beside) = match why {
+            NotFound::NotFinite => (
+                format!("its {through} is not a finite number where the search starts"),
+                "take a shorter step where a method of fixed step lets states of the circuit grow without bound",
+            ),
+            NotFound::Singular => {
+                ("nothing determines it: the slopes of the circuit are singular".to_owned(), beside)
+            }
+            NotFound::Stuck => ("no step brings it closer to a solution".to_owned(), beside),
+            NotFound::TooLong => ("the search does not end".to_owned(), beside),
+        };
+        let went = if way.is_empty() {
+            String::new()
+        } else {
+            format!(" (the {across} went {} {unit})", way.join(", "))
         };
         format!(
-            "at {t} s no operating point was found for `{path}` in its circuit: {why} (the {} went {} {}); check its \
-             parameters and the sources, or {}",
-            words.across,
-            way.join(", "),
-            words.unit,
-            words.beside
+            "at {t} s no operating point was found for `{path}` in its circuit: {why}{went}; check its parameters and \
+             the sources, or {beside}"
         )
     }
 }

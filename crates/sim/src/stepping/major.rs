@@ -108,6 +108,8 @@ impl Simulation {
     pub(crate) fn begin_anew(&mut self, observer: &mut dyn Observer) -> Result<(), SimError> {
         self.diagram.settle.changed = false;
         self.pass(true)?;
+        // A delay with another length has passed other jumps.
+        self.reach()?;
         self.diagram.hold_steps();
         self.jump_early(false, observer)?;
         self.pass(true)?;
