@@ -269,7 +269,7 @@ pub struct Recorded {
     pub over: Option<String>,
     /// Which rows are kept, as far as the diagram says it.
     pub keep: Keep,
-    /// Whether it keeps its value from one row to the next, since it changes at sample hits and events alone.
+    /// Whether it keeps its value from one row to the next, since it changes at sample hits and events alone, or is a truth value.
     pub held: bool,
 }
 

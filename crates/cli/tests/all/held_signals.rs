@@ -114,3 +114,30 @@ fn stairs_are_drawn_as_stairs() {
     let aslant = |w: &[(f64, f64)]| w[0].0 != w[1].0 && w[0].1 != w[1].1;
     assert!(points.len() >= 8 && !points.windows(2).any(aslant), "{points:?}");
 }
+
+/// A truth value that is true for 39 of 100 steps has the mean 0.39 and its root as the root mean square, which no ramp has.
+#[test]
+fn truth_values_are_held_with_a_fixed_step() {
+    const TRUTH: &str = r#"Diagram(
+        simulation: (stop_time: "1 s", solver: Ode4(step: "10 ms")),
+        blocks: {
+            "wave": Sine(amplitude: 1, frequency: 1), "is": Compare(operator: Greater, constant: 0.31),
+            "x": Integrator, "s": Scope(inputs: ["y"]), "states": Scope(inputs: ["x"]),
+        },
+        connections: ["wave.y -> is.u, x.u", "is.y -> s.y", "x.y -> states.x"],
+    )"#;
+    let desk = Desk::with(&[("truth.ron", TRUTH)]);
+    let swept = desk.call(&[
+        "sweep",
+        "truth.ron",
+        "--over",
+        "wave.amplitude=1",
+        "--metric=mean:s.y,rms:s.y",
+        "--json",
+    ]);
+    let swept: Value = serde_json::from_str(&swept.out).unwrap_or_else(|_| panic!("{swept:?}"));
+    let values: Vec<f64> =
+        swept["runs"][0]["metrics"].as_array().unwrap().iter().map(|m| number(&m["value"])).collect();
+    near(values[0], 0.39);
+    near(values[1], 0.39_f64.sqrt());
+}

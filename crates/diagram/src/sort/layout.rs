@@ -4,6 +4,7 @@ use blocksim_block::Interface;
 use blocksim_block::schedule::{
     Clock, Instance, Keep, Loop, Recorded, Schedule, Settings, Signal, Step, When,
 };
+use blocksim_signal::Kind;
 use foldhash::{HashMap, HashSet};
 
 use super::order::{Group, Order, Sorted};
@@ -47,8 +48,10 @@ pub(super) fn lay_out(
     let (mut x, mut d, mut g) = (0, 0, 0);
     let mut recorded = Columns::default();
     let held = |source: &Source| {
+        let signal = &signals[first_signal[source.block].0 + source.output];
         let mut groups = order.writers(source.block, source.output);
-        groups.all(|group| when[order.number(group)] != When::Continuous)
+        // Nothing is between true and false.
+        signal.kind == Kind::Bool || groups.all(|group| when[order.number(group)] != When::Continuous)
     };
     for (index, (block, interface)) in flat.blocks.iter().zip(&typed.interfaces).enumerate() {
         let mut gather = Vec::new();
