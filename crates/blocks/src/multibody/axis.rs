@@ -22,12 +22,14 @@ pub(crate) struct Inside {
     pub limit: JointLimit,
 }
 
+/// What the ends of travel are called: the end, what happens there, and where it no longer presses fully and where it does.
+const LOWER: (&str, &[Change; 2], [&str; 2]) =
+    ("lower", LOWER_END, ["yields at the lower end", "presses fully at the lower end"]);
+const UPPER: (&str, &[Change; 2], [&str; 2]) =
+    ("upper", UPPER_END, ["yields at the upper end", "presses fully at the upper end"]);
+
 /// An end of travel.
 struct End {
-    name: &'static str,
-    words: &'static [Change; 2],
-    /// What it is called where the end no longer presses fully, and where it does.
-    firm: [&'static str; 2],
     /// Where it is: -1 below, 1 above.
     side: f64,
     /// How far the joint is beyond it, and how fast that grows.
@@ -60,14 +62,14 @@ impl Inside {
     pub(crate) fn events(&self, part: Part, number: &str) -> Part {
         let about = |part: Part| if number.is_empty() { part } else { part.detail(format!("axis {number}")) };
         self.ends(0.0, 0.0).fold(part, |mut part, end| {
-            let (name, [touches, leaves]) = (format!("{}{number}", end.name), end.words);
+            let (end, words, [yields, presses]) = if end.side < 0.0 { LOWER } else { UPPER };
+            let (name, [touches, leaves]) = (format!("{end}{number}"), words);
             if self.limit.is_sudden() {
-                return about(part.mode(&name, end.words));
+                return about(part.mode(&name, words));
             }
             part = about(part.kink(&name, leaves.phrase, touches.phrase));
             if self.limit.transition > 0.0 {
-                let name = format!("{}_firm{number}", end.name);
-                let [yields, presses] = end.firm;
+                let name = format!("{end}_firm{number}");
                 part = about(part.kink(&name, yields, presses));
             }
             part
@@ -76,11 +78,16 @@ impl Inside {
 
     /// Writes how far the ends of travel are from pressing, at a position and a speed; returns how many there are.
     pub(crate) fn guards(&self, q: f64, w: f64, touches: &[f64], g: &mut [f64]) -> usize {
-        let distances = self.ends(q, w).zip(0..).flat_map(|(end, place)| {
-            let apart = guard_of_side(touches.get(place), self.limit.apart(end.depth, end.rate));
-            [Some(apart), self.limit.firm(end.depth)]
-        });
-        distances.flatten().zip(g).map(|(distance, g)| *g = distance).count()
+        let mut count = 0;
+        for (place, end) in self.ends(q, w).enumerate() {
+            g[count] = guard_of_side(touches.get(place), self.limit.apart(end.depth, end.rate));
+            count += 1;
+            if let Some(firm) = self.limit.firm(end.depth) {
+                g[count] = firm;
+                count += 1;
+            }
+        }
+        count
     }
 
     /// Finds which ends touch; returns whether any has changed.
@@ -93,22 +100,8 @@ impl Inside {
 
     /// The ends of travel that there are.
     fn ends(&self, q: f64, w: f64) -> impl Iterator<Item = End> {
-        let lower = self.lower.map(|lower| End {
-            name: "lower",
-            words: LOWER_END,
-            firm: ["yields at the lower end", "presses fully at the lower end"],
-            side: -1.0,
-            depth: lower - q,
-            rate: -w,
-        });
-        let upper = self.upper.map(|upper| End {
-            name: "upper",
-            words: UPPER_END,
-            firm: ["yields at the upper end", "presses fully at the upper end"],
-            side: 1.0,
-            depth: q - upper,
-            rate: w,
-        });
+        let lower = self.lower.map(|lower| End { side: -1.0, depth: lower - q, rate: -w });
+        let upper = self.upper.map(|upper| End { side: 1.0, depth: q - upper, rate: w });
         [lower, upper].into_iter().flatten()
     }
 
