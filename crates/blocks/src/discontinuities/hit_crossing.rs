@@ -5,8 +5,9 @@ use blocksim_block::prelude::*;
 /// Counts how often a signal crosses a value, and gives the time of the last one; element by element.
 ///
 /// The solver stops at each crossing in the direction that counts, and at no other, also where the signal only dips through
-/// the value and back within a step. A signal that reaches the value has crossed it; one that turns round there has as
-/// well. Where it stands at the start is no crossing.
+/// the value and back within a step. A signal that reaches the value has crossed it, and does not when it goes on from there.
+/// Whether one that turns round at the value has is decided by its last digit. A signal that stands on the value at the start has
+/// not crossed it, wherever it goes.
 ///
 /// ```ron
 /// HitCrossing(at: "90 deg", direction: Rising)
@@ -58,8 +59,11 @@ impl Block for HitCrossing {
         for (i, u) in l.input(0).iter().enumerate() {
             let [side, count, time] = [i, n + i, 2 * n + i].map(|at| l.d()[at]);
             let distance = *u - self.at;
-            let (fires, side) = self.edge().fires_in(l, side, distance);
-            l.settle(i, side);
+            let (fires, now) = self.edge().fires_in(l, side, distance);
+            // What has stood on the value from the start on comes from neither side.
+            let unseen = l.constant(UNSEEN);
+            let on = side.live(Relation::Equal, unseen).and(distance.live(Relation::Equal, l.constant(0.0)));
+            l.settle(i, on.select(unseen, now));
             l.settle(n + i, fires.select(count + 1.0, count));
             l.settle(2 * n + i, fires.select(l.time(), time));
             l.set(0, i, count);
@@ -92,6 +96,8 @@ mod tests {
         assert_eq!(counts(Crossing::Falling, &values), [2.0, 4.0]);
         assert_eq!(counts(Crossing::Either, &values), [4.0, 4.0]);
         assert_eq!(counts(Crossing::Either, &[2.0, 2.0]), [0.0, 0.0]);
+        assert_eq!(counts(Crossing::Either, &[1.0, 1.0, 2.0, 0.5]), [1.0, 3.0], "it stands there at the start");
+        assert_eq!(counts(Crossing::Rising, &[0.0, 1.0, 1.0, 2.0]), [1.0, 1.0], "it goes on");
     }
 
     #[test]
