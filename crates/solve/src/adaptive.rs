@@ -96,6 +96,9 @@ pub trait Method: Send {
     /// that it takes to [sharpen](Method::sharpen) the dense output.
     const IS_ROUGH_WITHIN: bool = false;
 
+    /// Whether it has a stage between the ends of a step.
+    const SEES_WITHIN: bool = true;
+
     /// What a method carries over besides the last derivative.
     fn stages(&self) -> Option<Box<Stages>> {
         None
@@ -358,6 +361,10 @@ impl<M: Method> Stepper for Adaptive<M> {
         let mut work = Work { system, counts: &mut self.counts, weights: &self.weights };
         // A failure is told where the solution gets there.
         let _unless_failed = self.method.sharpen(&mut work, self.last, &self.x0, &self.x1);
+    }
+
+    fn sees_within(&self) -> bool {
+        M::SEES_WITHIN
     }
 
     fn sharpen_rows(&mut self, system: &mut dyn System) {

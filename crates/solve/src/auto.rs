@@ -174,6 +174,10 @@ impl Stepper for Auto {
         self.active_mut().sharpen(system);
     }
 
+    fn sees_within(&self) -> bool {
+        self.active().sees_within()
+    }
+
     fn sharpen_rows(&mut self, system: &mut dyn System) {
         self.active_mut().sharpen_rows(system);
     }

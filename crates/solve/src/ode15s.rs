@@ -423,6 +423,10 @@ fn change(k: usize, factor: f64) -> [[f64; MAX]; MAX] {
 }
 
 impl Stepper for Ode15s {
+    fn sees_within(&self) -> bool {
+        false
+    }
+
     fn reserve(&mut self, system: &dyn System) {
         self.newton.jacobian.reserve(system);
     }

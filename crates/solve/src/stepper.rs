@@ -43,6 +43,11 @@ pub trait Stepper: Send {
     /// anyway.
     fn sharpen_rows(&mut self, _system: &mut dyn System) {}
 
+    /// Whether steps evaluate the system between their ends, so that their error shows what happens there.
+    fn sees_within(&self) -> bool {
+        true
+    }
+
     /// Forgets the last step, which is to be made once more from the same start, but shorter.
     fn back(&mut self) {
         self.restart();

@@ -204,6 +204,7 @@ impl<const DAMPED: bool> Method for TrBdf2<DAMPED> {
     const KEEPS_SIZE: bool = true;
 
     const IS_ROUGH_WITHIN: bool = true;
+    const SEES_WITHIN: bool = DAMPED;
 
     fn new(n: usize) -> Self {
         let zeros = || vec![0.0; n];

@@ -8,6 +8,9 @@
 //! narrow peak just before the crossing, as dry friction has about standstill, which the stages of a long step do not see or
 //! which one of them hits by chance.
 //!
+//! And a guard that crosses zero where a step begins may be back by its end: something opens and closes again. A method that evaluates
+//! nothing in between has seen nothing of it.
+//!
 //! So a crossing counts only where the derivatives lead the guard through zero in the same direction and about as fast as
 //! the dense output does. If not, the step is made once more up to there, as its end is more exact than its dense
 //! output was, and then ever shorter.
@@ -21,6 +24,9 @@ use crate::{SimError, Simulation};
 
 /// How often a step is made once more for a crossing. What is not confirmed then is one of the last digits.
 const TRIES: u32 = 12;
+/// How many steps in a row may be made once more for a crossing that is not there then. One rounding error before a fixed end each step
+/// is cut where the dense output gets there, and in so short a step the position does not move at all.
+const REFUTED: u32 = 8;
 /// How far before the crossing to compare, as a part of the way there.
 const BEFORE: f64 = 1.0 / (1_u64 << 14) as f64;
 /// The same as a part of the time, at least, so that it has digits enough.
@@ -33,15 +39,32 @@ impl Simulation {
     /// Makes the step from `t0`, which is to be cut at `cut`, shorter while the derivatives do not confirm the crossing.
     /// Returns where it is to be cut then.
     pub(crate) fn confirm(&mut self, t0: f64, mut cut: Option<Cut>) -> Result<Option<Cut>, SimError> {
+        let mut is_repeated = false;
         for tried in 0..TRIES {
-            let Some(found) = cut.filter(|cut| cut.crossed) else { break };
-            if self.is_confirmed(t0, found.t)? {
+            let Some(found) = cut.filter(|cut| cut.crossed && self.guards.refuted.0 < REFUTED) else { break };
+            let unseen = tried == 0 && self.is_unseen();
+            if !unseen && self.is_confirmed(t0, found.t)? {
                 break;
             }
-            self.repeat(t0, if tried == 0 { found.t } else { t0 + 0.5 * (found.t - t0) })?;
+            self.repeat(t0, if tried == 0 && !unseen { found.t } else { t0 + 0.5 * (found.t - t0) })?;
             cut = self.crossing(t0)?;
+            is_repeated = true;
         }
+        let (count, last) = self.guards.refuted;
+        let way = self.t - t0;
+        self.guards.refuted = match is_repeated && cut.is_none() {
+            true if way <= last => (count + 1, way),
+            true => (1, way),
+            false => (0, 0.0),
+        };
         Ok(cut)
+    }
+
+    /// Whether a guard has left zero at the start of the step and is back, while the method has evaluated nothing in between.
+    fn is_unseen(&self) -> bool {
+        let mut both = self.guards.fired.iter().zip(&self.guards.left);
+        self.stepper.as_ref().is_some_and(|stepper| !stepper.sees_within())
+            && both.any(|(back, left)| *back && *left)
     }
 
     /// Whether the guards that cross zero at `t` in the step from `t0` were about there before, had they come along the derivatives at `t`.

@@ -45,6 +45,9 @@ const TELLS: f64 = 1e3 * f64::EPSILON;
 /// What counts as the last digits of time and states, as a part of them.
 const LAST: f64 = 8.0 * f64::EPSILON;
 
+/// How often, for each guard, another one may turn out to have crossed before.
+const EARLIER: usize = 8;
+
 /// Writes what happens to a part, without its path, to `words`; returns its path.
 pub(crate) fn phrase<'a>(
     words: &mut String,
@@ -190,13 +193,16 @@ impl Guards {
             self.start.copy_from_slice(&self.end);
             return Ok(None);
         };
+        let mut turns = EARLIER * self.start.len();
         loop {
             let (left, end) = self.bracket(guard, right, diagram, stride)?;
             self.at(left, diagram, stride)?;
             let earlier = self.crossing(&self.trial, both).or_else(|| self.departing(&self.trial));
-            if let Some(earlier) = earlier.filter(|_| left > stride.t0) {
+            // Guards that are nothing but rounding have each crossed just before the other, for ever.
+            if let Some(earlier) = earlier.filter(|_| left > stride.t0 && left < right && turns > 0) {
                 std::mem::swap(&mut self.trial, &mut self.end);
                 (guard, right) = (earlier, left);
+                turns -= 1;
                 continue;
             }
             self.at(end, diagram, stride)?;

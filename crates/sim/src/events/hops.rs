@@ -28,6 +28,7 @@ impl Simulation {
     /// Notes the guards that may hop in the step to come.
     pub(crate) fn note_hops(&mut self) {
         let guards = &mut self.guards;
+        guards.left.copy_from_slice(&guards.fired);
         for i in 0..guards.hops.len() {
             guards.hops[i] = guards.fired[i] && is_beyond(guards.events[i], guards.start[i]);
         }
