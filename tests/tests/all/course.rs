@@ -311,3 +311,48 @@ fn a_controller_with_limits_by_signals_is_the_one_with_parameters() {
         assert_eq!(fixed.column(signal), by_signals.column(signal), "{signal}");
     }
 }
+
+/// What holds a value is that value to the last digit: a hold that has come down to zero is not above it, one that has come up to a limit
+/// has reached it, and nothing is counted but the samples of pulses.
+#[test]
+fn a_first_order_hold_stands_on_its_samples() {
+    for solver in
+        ["Auto", "Ode45", "Dop853", "Radau5", "Rodas4", "Ode15s", "Ode23t", "RosW3", "Ode4(step: \"1 ms\")"]
+    {
+        let run = run_text(&diagram(
+            &format!(r#"stop_time: "4 s", solver: {solver}"#),
+            r#""down": Step(time: "0.12 s", before: 1.478, after: 0), "f": FirstOrderHold(ts: "50 ms"), "up": Constant(value: 0.3),
+               "f2": FirstOrderHold(ts: "50 ms"), "above": Compare(operator: Greater, constant: 0),
+               "reached": Compare(operator: GreaterEqual, constant: 0.3), "one": Constant(value: 1), "zero": Constant(value: 0),
+               "if": Switch, "if2": Switch, "i": Integrator, "i2": Integrator, "edges": Counter(edge: Rising),
+               "p": Pulse(period: "0.444 s", width: 0.29), "f3": FirstOrderHold(ts: "50 ms"), "pulses": Counter(edge: Rising),
+               "s": Scope(inputs: ["edges", "above", "reached", "pulses"])"#,
+            r#""down.y -> f.u", "f.y -> edges.u, above.u", "edges.count -> s.edges", "above.y -> if.control",
+               "one.y -> if.u1, if2.u1", "zero.y -> if.u3, if2.u3", "if.y -> i.u", "i.y -> s.above", "up.y -> f2.u",
+               "f2.y -> reached.u", "reached.y -> if2.control", "if2.y -> i2.u", "i2.y -> s.reached",
+               "p.y -> f3.u", "f3.y -> pulses.u", "pulses.count -> s.pulses""#,
+        ));
+        assert_eq!((run.last("s.edges"), run.last("s.pulses")), (1.0, 9.0), "{solver}");
+        // A fixed step sees the first value above zero a step late.
+        close(run.last("s.above"), 0.2, 1.1e-3, solver);
+        close(run.last("s.reached"), 3.95, 1e-9, solver);
+    }
+}
+
+/// Two conditions on signals that are nothing but rounding have each crossed before the other; the search for the first one must end.
+#[test]
+fn conditions_on_what_is_rounding_do_not_stop_a_run() {
+    for solver in ["Auto", "Dop853", "Rodas4"] {
+        let run = run_text(&diagram(
+            &format!(r#"stop_time: "4 s", solver: {solver}"#),
+            r#""u": Step(time: "0.12 s", before: 1.478, after: 0), "e": Sum(signs: "+-"), "k": Gain(k: "20 1/s"),
+               "z": ZeroOrderHold(ts: "50 ms"), "f": Integrator, "u2": Constant(value: 0.3), "e2": Sum(signs: "+-"),
+               "k2": Gain(k: "20 1/s"), "z2": ZeroOrderHold(ts: "50 ms"), "f2": Integrator,
+               "g": Compare(operator: Greater, constant: 0), "ge": Compare(operator: GreaterEqual, constant: 0.3),
+               "c": Counter(edge: Rising), "s": Scope(inputs: ["y", "a", "b", "n"])"#,
+            r#""u.y -> e.u1", "f.y -> e.u2, g.u, c.u, s.y", "e.y -> k.u", "k.y -> z.u", "z.y -> f.u", "u2.y -> e2.u1",
+               "f2.y -> e2.u2, ge.u", "e2.y -> k2.u", "k2.y -> z2.u", "z2.y -> f2.u", "g.y -> s.a", "ge.y -> s.b", "c.count -> s.n""#,
+        ));
+        assert!(run.last("s.y").abs() < 1e-12, "{solver}");
+    }
+}

@@ -96,7 +96,11 @@ mod tests {
         assert_eq!(counts(Crossing::Falling, &values), [2.0, 4.0]);
         assert_eq!(counts(Crossing::Either, &values), [4.0, 4.0]);
         assert_eq!(counts(Crossing::Either, &[2.0, 2.0]), [0.0, 0.0]);
-        assert_eq!(counts(Crossing::Either, &[1.0, 1.0, 2.0, 0.5]), [1.0, 3.0], "it stands there at the start");
+        assert_eq!(
+            counts(Crossing::Either, &[1.0, 1.0, 2.0, 0.5]),
+            [1.0, 3.0],
+            "it stands there at the start"
+        );
         assert_eq!(counts(Crossing::Rising, &[0.0, 1.0, 1.0, 2.0]), [1.0, 1.0], "it goes on");
     }
 

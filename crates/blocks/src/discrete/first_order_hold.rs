@@ -24,6 +24,9 @@ pub struct FirstOrderHold {
     pub x0: Entries,
 }
 
+/// What is as near as this to a sample, as a part of both samples, has reached it but for rounding.
+const ROUNDED: f64 = 1e-11;
+
 impl Block for FirstOrderHold {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
@@ -34,16 +37,33 @@ impl Block for FirstOrderHold {
         for i in 0..shape.len() {
             interface = interface.state_in("x", self.x0.at(i), u.dimension);
         }
+        for name in ["from", "to"] {
+            let first = interface.discrete.len();
+            interface = interface.memory(name, shape.len(), 0.0);
+            interface.discrete[first..]
+                .iter_mut()
+                .enumerate()
+                .for_each(|(i, cell)| cell.initial = self.x0.at(i));
+        }
         Ok(interface.memory("slope", shape.len(), 0.0).sampled(self.ts))
     }
 
-    /// The slope leads from where the output is, so rounding does not add up.
+    /// The slope leads from where the state is, so rounding does not add up; but the state only nearly gets to the sample, and what
+    /// holds a value must not wander about it. So the output stays between both samples, and is the second one in the end.
     fn law(&self, l: &Recording) -> bool {
-        for i in 0..l.width(0) {
-            let (x, slope) = (l.x()[i], l.d()[i]);
-            l.set(0, i, x);
+        let n = l.width(0);
+        for i in 0..n {
+            let [from, to, slope] = [i, n + i, 2 * n + i].map(|cell| l.d()[cell]);
+            let (x, u) = (l.x()[i], l.element(0, i));
+            let arrives = (x - to).abs().live(Relation::LessEqual, ROUNDED * (from.abs() + to.abs()));
+            let y = arrives.select(to, x.max(from.min(to)).min(from.max(to)));
+            l.set(0, i, y);
             l.derive(i, slope);
-            l.update(i, (l.element(0, i) - x) / self.ts);
+            // In a subsystem that pauses a hit may come before the sample is reached: the next line begins where this one has got to.
+            l.update(i, y);
+            let stays = arrives.and(u.live(Relation::Equal, to));
+            l.update(n + i, u);
+            l.update(2 * n + i, stays.select(l.constant(0.0), (u - x) / self.ts));
         }
         true
     }
@@ -69,6 +89,23 @@ mod tests {
             before = u;
         }
         assert!(!bench.interface.reads(0, 0));
+    }
+
+    /// Rounding must not take it past a sample, or keep it from standing on one.
+    #[test]
+    fn what_is_held_is_the_sample_to_the_last_digit() {
+        let mut bench = Bench::new(FirstOrderHold { ts: 0.05, x0: 0.0.into() });
+        for u in [1.478, 0.0, 0.0, 0.3, 0.3, 0.3, -0.1, 0.0, 0.0] {
+            let before = bench.d[1];
+            bench.set(0, &[u]).hit();
+            for _ in 0..7 {
+                let y = bench.integrate(0.05 / 7.0, 1).minor()[0];
+                assert!(
+                    if u == before { y == u } else { y >= u.min(before) && y <= u.max(before) },
+                    "{y} for {u}"
+                );
+            }
+        }
     }
 
     #[test]
