@@ -24,8 +24,8 @@ use crate::{SimError, Simulation};
 
 /// How often a step is made once more for a crossing. What is not confirmed then is one of the last digits.
 const TRIES: u32 = 12;
-/// How many steps in a row may be made once more for a crossing that is not there then. One rounding error before a fixed end each step
-/// is cut where the dense output gets there, and in so short a step the position does not move at all.
+/// How many steps in a row may be made once more for a crossing of what does not move in them. One rounding error before a fixed end
+/// each step is cut where the dense output gets there, and in so short a step the position stays the same number.
 const REFUTED: u32 = 8;
 /// How far before the crossing to compare, as a part of the way there.
 const BEFORE: f64 = 1.0 / (1_u64 << 14) as f64;
@@ -39,24 +39,20 @@ impl Simulation {
     /// Makes the step from `t0`, which is to be cut at `cut`, shorter while the derivatives do not confirm the crossing.
     /// Returns where it is to be cut then.
     pub(crate) fn confirm(&mut self, t0: f64, mut cut: Option<Cut>) -> Result<Option<Cut>, SimError> {
-        let mut is_repeated = false;
+        let mut before = None;
         for tried in 0..TRIES {
-            let Some(found) = cut.filter(|cut| cut.crossed && self.guards.refuted.0 < REFUTED) else { break };
+            let Some(found) = cut.filter(|cut| cut.crossed && self.guards.refuted < REFUTED) else { break };
             let unseen = tried == 0 && self.is_unseen();
             if !unseen && self.is_confirmed(t0, found.t)? {
                 break;
             }
+            before = self.guards.fired.iter().position(|fired| *fired).map(|i| (i, self.guards.start[i]));
             self.repeat(t0, if tried == 0 && !unseen { found.t } else { t0 + 0.5 * (found.t - t0) })?;
             cut = self.crossing(t0)?;
-            is_repeated = true;
         }
-        let (count, last) = self.guards.refuted;
-        let way = self.t - t0;
-        self.guards.refuted = match is_repeated && cut.is_none() {
-            true if way <= last => (count + 1, way),
-            true => (1, way),
-            false => (0, 0.0),
-        };
+        // Where nothing has crossed, the next step starts from the values at the end.
+        let stands = cut.is_none() && before.is_some_and(|(i, value)| self.guards.start[i] == value);
+        self.guards.refuted = if stands { self.guards.refuted + 1 } else { 0 };
         Ok(cut)
     }
 

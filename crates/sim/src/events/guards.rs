@@ -54,9 +54,8 @@ pub(crate) struct Guards {
     pub fired: Vec<bool>,
     /// Those that have fired, and may come back within the step to fire again.
     pub hops: Vec<bool>,
-    /// How many steps in a row, none longer than the one before, have been made once more for crossings that were not there then, and how
-    /// long the last one was, s.
-    pub refuted: (u32, f64),
+    /// How many steps in a row have been made once more for a crossing of a guard that has not moved at all then.
+    pub refuted: u32,
     /// Those that have fired where the step at hand begins.
     pub left: Vec<bool>,
     /// When each fired lately.
@@ -126,7 +125,7 @@ impl Guards {
             kept: Vec::new(),
             fired: vec![false; guards],
             hops: vec![false; guards],
-            refuted: (0, 0.0),
+            refuted: 0,
             left: vec![false; guards],
             rhythm: Rhythm::new(guards),
             set_out: None,
