@@ -79,13 +79,13 @@ impl Network {
     }
 
     /// Notes what the torques have been more than the accelerations at the hit know of, until `s` after the hit.
-    pub(crate) fn kick(&self, separate: &Separate, s: f64, room: &mut Room) {
-        self.kick_within(separate, s, 0.0, room);
+    pub(crate) fn kick(&self, s: f64, room: &mut Room) {
+        self.kick_within(s, 0.0, room);
     }
 
     /// The same within a step of the integrator that began `s` after the hit, this much later, with the last torques found.
-    pub(crate) fn kick_within(&self, separate: &Separate, s: f64, later: f64, room: &mut Room) {
-        for branch in self.own_branches(separate) {
+    pub(crate) fn kick_within(&self, s: f64, later: f64, room: &mut Room) {
+        for branch in room.own.iter().copied() {
             let mut kick = room.mean[branch] - s * room.base[branch];
             if later > 0.0 {
                 kick += later * (room.torque[branch].value - room.base[branch]);

@@ -94,6 +94,8 @@ impl Network {
         let (cells, whole) = (separate.cells(), self.coupling_step());
         let (begins, before) = (d[cells.left] == 0.0, d[cells.parts].max(1.0));
         self.meet_inputs(separate, c, d, room);
+        room.own.clear();
+        room.own.extend(self.own_branches(separate));
         if !self.meets(separate, c, before, d, room) {
             return Err(Faulty);
         }
@@ -263,6 +265,8 @@ impl Network {
         room.kick.clear();
         room.kick.resize(self.rotation.branches.len(), 0.0);
         let mut t = c.t;
+        self.expect(separate, 0.0, c, w, room);
+        self.circuit(separate.island, &Context { t, d: &room.d, u: &room.u, ..*c }, w)?;
         for _ in 0..CHATTER {
             let next = self.switch(separate, t, c, w, room)?;
             let until = next.min(end);
@@ -273,7 +277,7 @@ impl Network {
             for i in 0..steps as usize {
                 let from = t + i as f64 * h;
                 self.runge_kutta(separate, from, h, c, w, room)?;
-                self.kick(separate, from + h - c.t, room);
+                self.kick(from + h - c.t, room);
                 self.expect(separate, from + h - c.t, c, w, room);
                 let here = Context { t: from + h, d: &room.d, u: &room.u, ..*c };
                 self.circuit(separate.island, &here, w)?;
@@ -290,7 +294,7 @@ impl Network {
         Err(Faulty)
     }
 
-    /// Lets the members of a circuit change at an instant; returns the next instant at which one does.
+    /// Lets the members of a circuit, which is known, change at an instant; returns the next instant at which one does.
     fn switch(
         &self,
         separate: &Separate,
@@ -299,11 +303,6 @@ impl Network {
         w: &mut Work,
         room: &mut Room,
     ) -> Result<f64, Faulty> {
-        self.expect(separate, t - c.t, c, w, room);
-        {
-            let here = Context { t, d: &room.d, u: &room.u, ..*c };
-            self.circuit(separate.island, &here, w)?;
-        }
         let mut changed = false;
         for seat in separate.members.iter().map(|i| &self.seats[*i]).filter(|s| s.member.part.jumps) {
             let Some(component) = seat.component() else { continue };
@@ -332,9 +331,8 @@ impl Network {
         let step = room.step;
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             for pin in seat.pins.clone() {
-                let own = self
-                    .own_branches(separate)
-                    .map(|b| room.yields[pin * room.mean.len() + b] * room.kick[b]);
+                let yields = &room.yields[pin * room.mean.len()..];
+                let own = room.own.iter().map(|b| yields[*b] * room.kick[*b]);
                 let bend = room.bend[pin] + if room.tries { room.doubt[pin] } else { 0.0 };
                 let bent = bend * (s / step).powi(2);
                 w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin] + own.sum::<f64>() + bent;
@@ -370,7 +368,7 @@ impl Network {
                     i += 1;
                 }
             }
-            self.kick_within(separate, t - c.t, part * h, room);
+            self.kick_within(t - c.t, part * h, room);
             self.expect(separate, t + part * h - c.t, c, w, room);
             self.slopes(separate, t + part * h, c, w, room)?;
             room.sum.iter_mut().zip(&room.slope).for_each(|(sum, slope)| *sum += weight * slope);
@@ -383,8 +381,8 @@ impl Network {
                 }
             }
         }
-        for branch in self.own_branches(separate) {
-            room.mean[branch] += room.gained[branch];
+        for branch in &room.own {
+            room.mean[*branch] += room.gained[*branch];
         }
         let mut i = 0;
         for x in states() {

@@ -176,6 +176,8 @@ pub(crate) struct Room {
     pub trial: Vec<f64>,
     /// Sums for the means of what is measured, where the discrete states will hold them.
     pub average: Vec<f64>,
+    /// Branches of the members of the circuit at hand.
+    pub own: Vec<usize>,
     /// Inputs of the network at a trial point, and how each of them goes on.
     pub u: Vec<f64>,
     pub courses: Vec<Course>,
@@ -211,6 +213,7 @@ impl Room {
             trial: room(branches),
             yields: room(if network.separate.is_empty() { 0 } else { pins * branches }),
             average: room(d),
+            own: Vec::with_capacity(branches),
             u: room(inputs),
             courses: Vec::with_capacity(inputs),
             leads: false,
