@@ -41,11 +41,24 @@ macro_rules! sized {
 /// # Errors
 /// [`Singular`] when all candidates for a pivot are zero or one is not finite; `a` is then half done.
 pub fn lu_factor(a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singular> {
-    sized!(eliminate(a, pivots; pivots.len()))
+    sized!(eliminate(a, pivots, 1.0; pivots.len()))
+}
+
+/// The part of the largest candidate from which on what stands on the diagonal is the pivot of [`lu_factor_diagonal`].
+const PREFERRED: f64 = 1e-8;
+
+/// The same for I - g J, with pivots on the diagonal unless these are lost. A state then gets nothing of those that it does not depend on,
+/// not even their rounding: what rests at zero beside others that move stays there. Pivots of rows that are large because of their units
+/// are no better, and for the others the matrix of an iteration has digits to spare.
+///
+/// # Errors
+/// As [`lu_factor`].
+pub fn lu_factor_diagonal(a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singular> {
+    sized!(eliminate(a, pivots, PREFERRED; pivots.len()))
 }
 
 #[inline(always)]
-fn eliminate(a: &mut [f64], pivots: &mut [usize], n: usize) -> Result<(), Singular> {
+fn eliminate(a: &mut [f64], pivots: &mut [usize], preferred: f64, n: usize) -> Result<(), Singular> {
     let (a, pivots) = (&mut a[..n * n], &mut pivots[..n]);
     for k in 0..n {
         let mut p = k;
@@ -53,6 +66,9 @@ fn eliminate(a: &mut [f64], pivots: &mut [usize], n: usize) -> Result<(), Singul
             if a[i * n + k].abs() > a[p * n + k].abs() {
                 p = i;
             }
+        }
+        if a[k * n + k].abs() >= preferred * a[p * n + k].abs() {
+            p = k;
         }
         pivots[k] = p;
         if p != k {
@@ -212,6 +228,26 @@ mod tests {
 
     fn times(a: &[f64], x: &[f64]) -> Vec<f64> {
         a.chunks_exact(x.len()).map(|row| dot(row, x)).collect()
+    }
+
+    #[test]
+    fn what_depends_on_nothing_else_gets_no_rounding_of_it() {
+        // The first two depend on each other alone, the third on all.
+        let start = [1.9, -2.7, 0.0, 2.5, 2.3, 0.0, 700.3, -31.1, 1.5];
+        for (factor, is_exact) in
+            [(lu_factor_diagonal as fn(&mut [f64], &mut [usize]) -> _, true), (lu_factor, false)]
+        {
+            let (mut lu, mut pivots, mut b) = (start, [0; 3], [0.0, 0.0, 0.1]);
+            factor(&mut lu, &mut pivots).unwrap();
+            lu_solve(&lu, &pivots, &mut b);
+            assert!((b[2] - 0.1 / 1.5).abs() < 1e-15, "{b:?}");
+            assert_eq!(b[..2] == [0.0, 0.0], is_exact, "{b:?}");
+        }
+        // A diagonal that is lost is none.
+        let (mut lu, mut pivots, mut b) = ([0.0, 1.0, 1.0, 0.0], [0; 2], [2.0, 3.0]);
+        lu_factor_diagonal(&mut lu, &mut pivots).unwrap();
+        lu_solve(&lu, &pivots, &mut b);
+        assert_eq!(b, [3.0, 2.0]);
     }
 
     #[test]

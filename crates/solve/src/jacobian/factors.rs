@@ -1,7 +1,7 @@
 //! Factors of I - g J, and of the pair of such equations that complex eigenvalues of a method make.
 
 use super::SMALL;
-use crate::linear::{Singular, lu_factor, lu_solve};
+use crate::linear::{Singular, lu_factor_diagonal, lu_solve};
 use crate::sparse::{Pattern, SparseLu};
 
 /// Factors of a matrix of either kind.
@@ -73,7 +73,7 @@ impl Twice {
                     lu[i * 2 * n + n + i] = c;
                     lu[(n + i) * 2 * n + i] = -c;
                 }
-                lu_factor(lu, pivots)
+                lu_factor_diagonal(lu, pivots)
             }
             Factors::Sparse(lu) => {
                 // Columns of the first half end with the entry of the other equation, those of the second begin with it.

@@ -10,7 +10,7 @@
 
 use crate::System;
 use crate::adaptive::{Fault, Work};
-use crate::linear::{Singular, lu_factor};
+use crate::linear::{Singular, lu_factor_diagonal};
 use crate::sparse::{Pattern, SparseLu};
 use crate::weights::Weights;
 
@@ -314,7 +314,7 @@ impl Jacobian {
             Factors::Dense { lu, pivots } => {
                 lu.iter_mut().zip(&self.values).for_each(|(a, j)| *a = -g * j);
                 (0..n).for_each(|i| lu[i * n + i] += 1.0);
-                lu_factor(lu, pivots)
+                lu_factor_diagonal(lu, pivots)
             }
         }
     }
