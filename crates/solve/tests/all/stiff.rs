@@ -77,7 +77,7 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
 }
 
 /// Evaluations of the problems above.
-const PINNED: [[u64; 3]; 4] = [[1882, 3101, 4584], [1229, 1814, 3094], [762, 1042, 1715], [2467, 3900, 6521]];
+const PINNED: [[u64; 3]; 4] = [[1880, 3101, 4584], [1229, 1814, 3094], [762, 1042, 1715], [2441, 3899, 6660]];
 
 #[test]
 fn a_jacobian_of_before_hides_no_state_behind_the_others() {
@@ -290,7 +290,7 @@ fn radau_gains_digits_where_tolerances_are_tight() {
             &HIRES,
             [3721, 9940],
         ),
-        ("Oregonator", Box::new(oregonator()), &[1.0, 2.0, 3.0], 360.0, &OREGONATOR, [9841, 26_204]),
+        ("Oregonator", Box::new(oregonator()), &[1.0, 2.0, 3.0], 360.0, &OREGONATOR, [9839, 26_204]),
     ];
     for (name, mut system, start, end, expected, pinned) in cases {
         let mut found = [0; 2];
