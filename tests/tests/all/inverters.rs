@@ -475,3 +475,21 @@ fn inputs_move_within_a_coupling_step() {
         }
     }
 }
+
+/// About a kink the frequency is expected to go on as before for a step, and not to move for another. The angle has lost nothing of its
+/// integral by then: 2 pi (2 * 20 ms * 30 Hz + 10 ms * 20 Hz).
+#[test]
+fn the_angle_of_an_inverter_is_the_integral_of_a_frequency_with_kinks() {
+    let triangle = r#""f": SignalBuilder(points: [("0 s", "10 Hz"), ("20 ms", "50 Hz"), ("40 ms", "10 Hz"), ("60 ms", "50 Hz")]),"#;
+    for periods in [1, 4] {
+        let text = moving_text([triangle, ""], &format!("Separate(periods: {periods})"), "1e-6")
+            .replace(r#""w", "torque"]"#, r#""w", "torque", "theta"]"#)
+            .replace(
+                r#""machine.torque -> s.torque","#,
+                r#""machine.torque -> s.torque", "inverter.theta -> s.theta","#,
+            )
+            .replace(r#"stop_time: "0.2 s""#, r#"stop_time: "50 ms""#);
+        let (found, right) = (run_text(&text).last("s.theta"), 2.0 * std::f64::consts::PI * 1.4);
+        assert!((found - right).abs() < 1e-9, "{periods} periods: {found} rad, not {right}");
+    }
+}

@@ -22,7 +22,8 @@ use crate::machines::space_vector::turned;
 /// carrier: the shaft gets the mean torque of these periods, the machine the speed that is expected for them. That is
 /// many times faster, and exact to third order in the length of a coupling step, but for what the ripple of the torque does to loads,
 /// which falls with the square of the switching frequency. Inputs that change all the time, such as a ramp of the frequency, are
-/// expected to go on over a coupling step as they did in the last two; those of a controller that is sampled stay where they are.
+/// expected to go on over a coupling step as they did in the last two; those of a controller that is sampled stay where they are. What
+/// they turn out to be more or less than that, as about a kink, is made up for in the next step.
 /// An input that jumps between two coupling steps acts from the next one on: let it jump at a whole multiple of the length of one. Where
 /// the coupling misses the relative tolerance of the run, as with a light rotor and a slow carrier, a coupling step is divided into up to 64 parts, whose torques follow the ripple. What remains beyond the
 /// tolerance is estimated in a warning at the end of the run, and where a shaft does not move at all as its circuit has

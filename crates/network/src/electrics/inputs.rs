@@ -4,6 +4,9 @@
 //! parabola with the mean slopes of both where these agree, else a line with the smaller one, since a jump is not to come again. What
 //! an input changes by at the hit itself is no slope: so one that is sampled stays where it is, and one that is the sum of both goes
 //! on by the part that moves. That is why the value just before the hit is noted as well.
+//!
+//! What a circuit makes of its inputs are integrals: an angle of a frequency, fluxes of voltages. So where a step has been integrated
+//! with another course than the input took, as about a kink, the next one has what is missing of the integral added.
 
 use blocksim_block::{Context, Input};
 use blocksim_signal::Kind;
@@ -17,10 +20,15 @@ use crate::work::circuits::Room;
 /// Slopes of two steps agree that differ by less than this share of the greater.
 const AGREE: f64 = 0.5;
 
+/// By what part of its size an input must have been missed for the integral to be made up: by less it is ripple that comes back, and to
+/// answer that would amplify it.
+const KINK: f64 = 1e-4;
+
 /// How an input goes on over a coupling step: by `slope` and `bend`, per second and per second squared, and by how much that may be
-/// wrong, as a slope per second of the length of the step squared.
+/// wrong, as a slope per second of the length of the step squared; and what is to be made up for of the last step, times seconds.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
 pub(crate) struct Course {
+    owed: f64,
     slope: f64,
     bend: f64,
     doubt: f64,
@@ -31,6 +39,11 @@ impl Course {
     fn after(&self, s: f64) -> f64 {
         s * (self.slope + 0.5 * s * self.bend)
     }
+
+    /// The integral of that.
+    fn led(&self, s: f64) -> f64 {
+        s * s * (0.5 * self.slope + s * self.bend / 6.0)
+    }
 }
 
 /// Where it lies for an input what the last steps say of it.
@@ -39,20 +52,32 @@ pub(crate) struct InputCells {
     start: usize,
     left: usize,
     expected: usize,
+    /// The integral over the step of what was expected to be added to its beginning.
+    led: usize,
     /// Mean slopes of the last step and of the one before.
     slopes: [usize; 2],
     /// By how much the value was missed at the ends of both, in units per cube of the length of the step.
     missed: [usize; 2],
+    /// The circuit makes an integral of it.
+    is_integrated: bool,
 }
 
 impl InputCells {
     /// How many cells each input has.
-    pub(crate) const COUNT: usize = 7;
+    pub(crate) const COUNT: usize = 8;
 
-    fn new(held: &Held, input: usize) -> Self {
-        let [start, left, expected, slope, slope_before, missed, missed_before] =
-            [0, 1, 2, 3, 4, 5, 6].map(|k| held.inputs.start + Self::COUNT * input + k);
-        Self { start, left, expected, slopes: [slope, slope_before], missed: [missed, missed_before] }
+    fn new(held: &Held, input: usize, is_integrated: bool) -> Self {
+        let [start, left, expected, led, slope, slope_before, missed, missed_before] =
+            [0, 1, 2, 3, 4, 5, 6, 7].map(|k| held.inputs.start + Self::COUNT * input + k);
+        Self {
+            start,
+            left,
+            expected,
+            led,
+            slopes: [slope, slope_before],
+            missed: [missed, missed_before],
+            is_integrated,
+        }
     }
 }
 
@@ -66,10 +91,12 @@ impl Network {
     fn each_input(&self, separate: &Separate, mut see: impl FnMut(usize, InputCells)) {
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(held) = &seat.held else { continue };
+            // Amplitude and frequency of an inverter; other parts may have angles, which jump by turns, or derivatives.
+            let is_integrated = seat.member.part.separate.is_some();
             for (input, (start, end)) in seat.member.part.inputs.iter().zip(&seat.inputs) {
                 if may_move(input) {
                     (*start as usize..*end as usize)
-                        .for_each(|k| see(seat.u.start + k, InputCells::new(held, k)));
+                        .for_each(|k| see(seat.u.start + k, InputCells::new(held, k, is_integrated)));
                 }
             }
         }
@@ -117,7 +144,12 @@ impl Network {
                 let bend = if agree { (now - then) / (0.5 * (last + before)) } else { 0.0 };
                 let slope = if agree { now + 0.5 * last * bend } else { smaller(now, then) };
                 let doubt = smaller(d[missed], d[missed_before]);
-                room.courses[input] = Course { slope, bend, doubt };
+                let took = last * (0.5 * (d[cells.left] - d[cells.start]) - last * last * bend / 12.0);
+                let off = (d[cells.left] - d[cells.expected]).abs();
+                let is_owed =
+                    cells.is_integrated && off > KINK * (d[cells.start].abs() + d[cells.left].abs());
+                let owed = if is_owed { took - d[cells.led] } else { 0.0 };
+                room.courses[input] = Course { owed, slope, bend, doubt };
                 room.leads |= room.courses[input] != Course::default();
             }
             d[cells.start] = c.u[input];
@@ -136,7 +168,7 @@ impl Network {
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             for input in seat.u.clone() {
                 let course = room.courses[input];
-                room.u[input] = c.u[input] + course.after(s) + doubt * course.doubt;
+                room.u[input] = c.u[input] + course.owed / room.step + course.after(s) + doubt * course.doubt;
             }
         }
     }
@@ -145,6 +177,7 @@ impl Network {
     pub(crate) fn expect_inputs(&self, separate: &Separate, d: &mut [f64], room: &Room) {
         self.each_input(separate, |input, cells| {
             d[cells.expected] = d[cells.start] + room.courses[input].after(room.step);
+            d[cells.led] = room.courses[input].led(room.step);
         });
     }
 }
