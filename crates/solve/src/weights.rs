@@ -352,7 +352,10 @@ impl Weights {
         let small = match &self.learnt {
             // Of what has hardly ever moved the size is unknown; beside the others its slopes must not drown in rounding.
             Some(learnt) if learnt.ever[i] <= DWARF * learnt.largest => {
-                small.max(moved.abs()).max(UNKNOWN * learnt.largest)
+                let unknown = UNKNOWN * learnt.largest;
+                // Its own nominal value says more than states of other units.
+                let nominal = self.nominal[i];
+                small.max(moved.abs()).max(if nominal > 0.0 { unknown.min(nominal) } else { unknown })
             }
             // Slopes of what has faded drown in rounding where they cancel.
             Some(learnt) if !self.fixed[i] => small.max(SHARE * learnt.ever[i]),
