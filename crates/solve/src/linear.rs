@@ -243,7 +243,7 @@ mod tests {
             assert!((b[2] - 0.1 / 1.5).abs() < 1e-15, "{b:?}");
             assert_eq!(b[..2] == [0.0, 0.0], is_exact, "{b:?}");
         }
-        // A diagonal that is lost is none.
+        // A zero on the diagonal cannot be a pivot.
         let (mut lu, mut pivots, mut b) = ([0.0, 1.0, 1.0, 0.0], [0; 2], [2.0, 3.0]);
         lu_factor_diagonal(&mut lu, &mut pivots).unwrap();
         lu_solve(&lu, &pivots, &mut b);
