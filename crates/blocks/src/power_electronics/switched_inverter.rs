@@ -25,9 +25,10 @@ use crate::machines::space_vector::turned;
 /// expected to go on over a coupling step as they did in the last two; those of a controller that is sampled stay where they are. What
 /// they turn out to be more or less than that, as about a kink, is made up for in the next step.
 /// An input that jumps between two coupling steps acts from the next one on: let it jump at a whole multiple of the length of one. Where
-/// the coupling misses the relative tolerance of the run, as with a light rotor and a slow carrier, a coupling step is divided into up to 64 parts, whose torques follow the ripple. What remains beyond the
-/// tolerance is estimated in a warning at the end of the run, and where a shaft does not move at all as its circuit has
-/// expected, the run ends with an error. Methods of fixed step do not divide. What needs voltages (powers, RMS voltages, slip,
+/// the coupling misses the relative tolerance of the run, as with a light rotor and a slow carrier, a coupling step is divided into up
+/// to 64 parts, whose torques follow the ripple. What remains beyond the tolerance is estimated in a warning at the end of the run, which
+/// knows nothing of kinks and jumps of inputs; and where a shaft does not move at all as its circuit has expected, the run ends with an
+/// error. Methods of fixed step do not divide. What needs voltages (powers, RMS voltages, slip,
 /// `v_legs`) is measured on the means over whole coupling steps; currents and states are those at the beginning of a step or a part.
 ///
 /// Amplitudes beyond what the link and the modulation give are limited, as `limited` reports; a negative one turns the voltages
