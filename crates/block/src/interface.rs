@@ -215,7 +215,7 @@ pub struct Interface {
     pub jump_phrase: JumpPhrase,
     /// Has `accept`.
     pub accepts: bool,
-    /// Inputs, by port, for the sake of which it has `accept`: it may be left out where none of them changes between hits and events.
+    /// Inputs, by port, for the sake of which it has `accept`: it may be left out where none of them changes between its hits.
     pub notes: Vec<usize>,
     /// Has `remember`, and gives what it notes back after this time at the earliest, s.
     pub remembers: Option<f64>,

@@ -160,7 +160,7 @@ impl Block for Network {
     }
 
     fn next_update(&self, c: &Context) -> f64 {
-        self.next_part(c.d)
+        self.next_part(c)
     }
 
     fn tolerate(&self, rtol: f64, d: &mut [f64]) {

@@ -128,6 +128,14 @@ pub(crate) struct Held {
     pub mean: Range<usize>,
     /// Integrals of the same since the last hit, where the coupling step is taken in parts.
     pub sum: Range<usize>,
+    /// These integrals as they were when the step at hand began.
+    pub sum_before: Range<usize>,
+    /// Impulse of each branch that the mechanics lacked at the beginning of the step, and what the step gives of it, N*m*s.
+    pub owed: Range<usize>,
+    pub given: Range<usize>,
+    /// Speed and acceleration of each pin at the beginning of the step.
+    pub speed: Range<usize>,
+    pub acceleration: Range<usize>,
     /// Speed of each pin that is expected at the end of the step, and how much more than by torques and accelerations at its
     /// beginning the speeds have changed in the last step and in the one before.
     pub expected: Range<usize>,

@@ -32,6 +32,8 @@ impl Simulation {
             *self = next;
             return Ok(Vec::new());
         }
+        let noted = self.diagram.note();
+        self.held(noted)?;
         let begun = Self::given(Arc::clone(&self.schedule))?;
         let without_effect = starting_otherwise(&begun, &next);
         next.t = self.t;

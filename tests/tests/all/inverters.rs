@@ -438,7 +438,8 @@ fn moving_text(frequency: [&str; 2], integration: &str, tolerance: &str) -> Stri
 }
 
 /// Inputs that move within a coupling step go on as they move; the part of one that is sampled stays where it is. A drive whose
-/// frequency is made from its own speed moves all the time. With inputs held, speeds are off by 1e-3 to 4e-3 of their greatest.
+/// frequency is made from its own speed moves all the time. With inputs held, speeds are off by 1e-3 to 4e-3 of their greatest. What
+/// jumps or has a kink between two hits does so at once: acting from the next hit on only, it puts speeds off by up to 1e-2.
 #[test]
 fn inputs_move_within_a_coupling_step() {
     let sine = r#""f0": Sine(amplitude: "10 Hz", frequency: "7 Hz", bias: "20 Hz"),"#;
@@ -457,6 +458,29 @@ fn inputs_move_within_a_coupling_step() {
             ],
             6e-5,
         ),
+        ([r#""f": Step(before: "30 Hz", after: "40 Hz", time: "0.1003 s"),"#, ""], 5e-6),
+        (
+            [
+                r#""f0": Sine(amplitude: "10 Hz", frequency: "7 Hz", bias: "40 Hz"), "f": ZeroOrderHold(ts: "0.7 ms"),"#,
+                r#""f0.y -> f.u","#,
+            ],
+            1e-5,
+        ),
+        (
+            [
+                r#""f0": Sine(amplitude: "10 Hz", frequency: "7 Hz", bias: "40 Hz"), "f": ZeroOrderHold(ts: "0.5 ms"),"#,
+                r#""f0.y -> f.u","#,
+            ],
+            3e-6,
+        ),
+        (
+            [
+                r#""p": Pulse(amplitude: "10 Hz", period: "7.3 ms", width: 0.37), "b": Constant(value: "30 Hz"), "f": Sum(signs: "++"),"#,
+                r#""p.y -> f.u1", "b.y -> f.u2","#,
+            ],
+            2e-5,
+        ),
+        ([r#""f": Sawtooth(lower: "10 Hz", upper: "50 Hz", period: "40 ms", width: 0.5),"#, ""], 3e-6),
     ];
     for (frequency, allowed) in drives {
         let exact = run_text(&moving_text(frequency, "Together", "1e-9"));
@@ -473,6 +497,34 @@ fn inputs_move_within_a_coupling_step() {
                 assert!(off < allowed, "{frequency:?}, {periods} periods: {signal} is off by {off:.1e}");
             }
         }
+    }
+}
+
+/// Contacts in a separate circuit that change over between two hits do so at once: from the next hit on only, speeds were off by 3e-2.
+#[test]
+fn contacts_change_within_a_coupling_step() {
+    let reversed = r#""f": Constant(value: "40 Hz"), "p": Pulse(period: "83.3 ms", width: 0.47),
+        "at": Compare(operator: Greater, constant: 0.5), "contacts": ReversingContactor(r_on: "1 mOhm"),"#;
+    let speeds = |integration: &str, rtol: &str| {
+        let text =
+            moving_text([reversed, r#""p.y -> at.u", "at.y -> contacts.reverse","#], integration, rtol)
+                .replace(
+                    "inverter.ac <-> machine.ac",
+                    "inverter.ac <-> contacts.ac1\", \"contacts.ac2 <-> machine.ac",
+                );
+        let run = run_text(&text);
+        let at = |k: i32| {
+            let t = 2e-3 * f64::from(k);
+            run.column("s.w")[run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row")]
+        };
+        (0..=100).map(at).collect::<Vec<f64>>()
+    };
+    let exact = speeds("Together", "1e-9");
+    let size = exact.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
+    for periods in [1, 4] {
+        let found = speeds(&format!("Separate(periods: {periods})"), "1e-6");
+        let off = found.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / size;
+        assert!(off < 5e-5, "{periods} periods: off by {off:.1e}");
     }
 }
 

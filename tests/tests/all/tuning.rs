@@ -147,6 +147,39 @@ fn a_sampled_controller_goes_on_as_with_a_gain_that_is_a_signal() {
     }
 }
 
+/// A circuit that is integrated by itself is given a parameter that changes between two of its hits there and then, not at the next hit.
+#[test]
+fn a_separate_circuit_takes_a_parameter_within_its_coupling_step() {
+    let text = |f: &str, integration: &str, solver: &str| {
+        format!(
+            r#"Diagram(
+    simulation: (stop_time: "60 ms", solver: {solver}, output: Every("2 ms")),
+    blocks: {{
+        "f": {f}, "v": Gain(k: "3 V/Hz"),
+        "inverter": SwitchedInverter(vdc: "400 V", switching_frequency: "2 kHz", integration: {integration}),
+        "machine": AsynchronousMachine(
+            rated_power: "15 kW", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 1,
+            r_s: "0.25 ohm", x_ls: "0.9 ohm", r_r: "0.14 ohm", x_lr: "0.41 ohm", x_m: "17 ohm",
+        ),
+        "rotor": Inertia(j: "0.05 kg*m^2"), "frame": RotationalReference, "encoder": MotionSensor, "s": Scope(inputs: ["w"]),
+    }},
+    connections: [
+        "f.y -> v.u, inverter.f", "v.y -> inverter.v", "inverter.ac <-> machine.ac",
+        "machine.r <-> rotor.r <-> encoder.r", "machine.c <-> frame.r <-> encoder.c", "encoder.w -> s.w",
+    ],
+)"#
+        )
+    };
+    let separate = |f: &str| text(f, "Separate(periods: 1)", r#"Ode4(step: "0.1 ms")"#);
+    let (rows, t) =
+        tuned(&separate(r#"Constant(value: "40 Hz")"#), &separate(r#"Constant(value: "50 Hz")"#), 0.0203);
+    assert!((t - 0.0203).abs() < 1e-9, "{t}");
+    let step = format!(r#"Step(before: "40 Hz", after: "50 Hz", time: "{t} s")"#);
+    let exact = untouched(&text(&step, "Together", "Ode45(rtol: 1e-9)"));
+    let [found, exact] = [&rows, &exact].map(|rows| rows.last().expect("rows").1[0]);
+    assert!((found - exact).abs() < 1e-4 * exact, "{found} and {exact}");
+}
+
 #[test]
 fn a_network_goes_on_with_another_resistance() {
     let text = |r: &str| {

@@ -22,12 +22,12 @@ use crate::machines::space_vector::turned;
 /// carrier: the shaft gets the mean torque of these periods, the machine the speed that is expected for them. That is
 /// many times faster, and exact to third order in the length of a coupling step, but for what the ripple of the torque does to loads,
 /// which falls with the square of the switching frequency. Inputs that change all the time, such as a ramp of the frequency, are
-/// expected to go on over a coupling step as they did in the last two; those of a controller that is sampled stay where they are. What
-/// they turn out to be more or less than that, as about a kink, is made up for in the next step.
-/// An input that jumps between two coupling steps acts from the next one on: let it jump at a whole multiple of the length of one. Where
+/// expected to go on over a coupling step as they did in the last two; those of a controller that is sampled stay where they are. Where
+/// they turn out otherwise, as about a kink, the step is integrated once more when it is over, and where an input of the circuit jumps
+/// within a step, the step ends there and what is left of it begins anew; the impulse that the shaft lacks by then is made up for. Where
 /// the coupling misses the relative tolerance of the run, as with a light rotor and a slow carrier, a coupling step is divided into up
 /// to 64 parts, whose torques follow the ripple. What remains beyond the tolerance is estimated in a warning at the end of the run, which
-/// knows nothing of kinks and jumps of inputs; and where a shaft does not move at all as its circuit has expected, the run ends with an
+/// knows nothing of kinks of inputs; and where a shaft does not move at all as its circuit has expected, the run ends with an
 /// error. Methods of fixed step do not divide. What needs voltages (powers, RMS voltages, slip,
 /// `v_legs`) is measured on the means over whole coupling steps; currents and states are those at the beginning of a step or a part.
 ///

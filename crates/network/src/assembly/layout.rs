@@ -11,7 +11,7 @@ use blocksim_multibody::Joint;
 
 use crate::accounts::Accounts;
 use crate::electrics::currents::UNTOLD;
-use crate::electrics::inputs::{InputCells, may_move};
+use crate::electrics::inputs::InputCells;
 use crate::electrics::{Branch, Capacitance, Electrics, Separate};
 use crate::mechanics::envelope::Envelope;
 use crate::mechanics::frames::Frames;
@@ -70,7 +70,7 @@ impl Network {
         for island in &mut separate {
             for name in [
                 "begin", "end", "parts", "left", "until", "rtol", "need", "least", "lasting", "most", "span",
-                "noted",
+                "noted", "since", "cubes", "cut",
             ] {
                 let start = interface.discrete.len();
                 interface = interface.discrete(format!("{}.{name}", members[island.members[0]].path), 0.0);
@@ -128,7 +128,7 @@ impl Network {
                 if drives_electrics || prescribes_speed {
                     reads[ELECTRICS].push(interface.inputs.len());
                 }
-                if held_by.is_some() && may_move(input) {
+                if held_by.is_some() {
                     interface.notes.push(interface.inputs.len());
                 }
                 let name = format!("{}.{}", member.path, input.name);
@@ -464,6 +464,11 @@ fn hold(
     let course = cells("course", branches);
     let mean = cells("mean", part.states.len() + 2 * two_pins + 3);
     let sum = cells("sum", mean.len());
+    let sum_before = cells("sum_before", mean.len());
+    let owed = cells("owed", branches);
+    let given = cells("given", branches);
+    let speed = cells("speed", pins);
+    let acceleration = cells("acceleration", pins);
     let expected = cells("expected", pins);
     let bent = cells("bent", pins);
     let bent_before = cells("bent_before", pins);
@@ -478,6 +483,11 @@ fn hold(
         course,
         mean,
         sum,
+        sum_before,
+        owed,
+        given,
+        speed,
+        acceleration,
         expected,
         bent,
         bent_before,

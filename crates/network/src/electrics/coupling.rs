@@ -7,6 +7,7 @@ use blocksim_block::problem::Problem;
 use blocksim_solve::linear::cholesky_solve;
 
 use crate::electrics::Separate;
+use crate::electrics::repeat::CUT;
 use crate::network::Network;
 use crate::seat::{ELECTRICS, Held, Seat};
 use crate::work::Work;
@@ -244,7 +245,9 @@ impl Network {
                 .fold(so_far, |most: f64, (found, expected)| most.max(found.abs()).max(expected.abs()));
             let off = speeds().fold(0.0, |most: f64, (found, expected)| most.max((found - expected).abs()));
             let share = off / size.max(STANDSTILL);
-            for (k, pin) in seat.pins.clone().enumerate() {
+            // What is left of a step that was cut says little of how the next one bends.
+            let pins = if d[cells.cut] == CUT { 0..0 } else { seat.pins.clone() };
+            for (k, pin) in pins.enumerate() {
                 let (last, before) = (held.bent.start + k, held.bent_before.start + k);
                 let bent = room.speed[pin] - d[held.expected.start + k] + smaller(d[last], d[before]);
                 (d[before], d[last]) = (d[last], bent);

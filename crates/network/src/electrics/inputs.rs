@@ -5,10 +5,10 @@
 //! an input changes by at the hit itself is no slope: so one that is sampled stays where it is, and one that is the sum of both goes
 //! on by the part that moves. That is why the value just before the hit is noted as well.
 //!
-//! What a circuit makes of its inputs are integrals: an angle of a frequency, fluxes of voltages. So where a step has been integrated
-//! with another course than the input took, as about a kink, the next one has what is missing of the integral added.
+//! Where an input has gone on otherwise, as about a kink, the step is integrated once more when it is over, and where it jumps within
+//! a step, what has passed of that is; see `repeat.rs`.
 
-use blocksim_block::{Context, Input};
+use blocksim_block::Context;
 use blocksim_signal::Kind;
 
 use crate::electrics::Separate;
@@ -20,15 +20,19 @@ use crate::work::circuits::Room;
 /// Slopes of two steps agree that differ by less than this share of the greater.
 const AGREE: f64 = 0.5;
 
-/// By what part of its size an input must have been missed for the integral to be made up: by less it is ripple that comes back, and to
-/// answer that would amplify it.
+/// By what part of its size an input must have been missed for the step to be integrated once more: by less it is ripple.
 const KINK: f64 = 1e-4;
 
+/// By what part of its size an input must have changed at an instant for the step to end there.
+const JUMP: f64 = 1e-8;
+
+/// Times that differ by this part of a coupling step are the same.
+const SAME: f64 = 1e-6;
+
 /// How an input goes on over a coupling step: by `slope` and `bend`, per second and per second squared, and by how much that may be
-/// wrong, as a slope per second of the length of the step squared; and what is to be made up for of the last step, times seconds.
+/// wrong, as a slope per second of the length of the step squared.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
 pub(crate) struct Course {
-    owed: f64,
     slope: f64,
     bend: f64,
     doubt: f64,
@@ -39,11 +43,6 @@ impl Course {
     fn after(&self, s: f64) -> f64 {
         s * (self.slope + 0.5 * s * self.bend)
     }
-
-    /// The integral of that.
-    fn led(&self, s: f64) -> f64 {
-        s * s * (0.5 * self.slope + s * self.bend / 6.0)
-    }
 }
 
 /// Where it lies for an input what the last steps say of it.
@@ -52,13 +51,15 @@ pub(crate) struct InputCells {
     start: usize,
     left: usize,
     expected: usize,
-    /// The integral over the step of what was expected to be added to its beginning.
-    led: usize,
+    /// Its integral over the step so far, by the rule of trapezoids.
+    integral: usize,
     /// Mean slopes of the last step and of the one before.
     slopes: [usize; 2],
     /// By how much the value was missed at the ends of both, in units per cube of the length of the step.
     missed: [usize; 2],
-    /// The circuit makes an integral of it.
+    /// It is no real number: it changes by jumps alone.
+    is_stepwise: bool,
+    /// What is made of it is an integral, and wrong for good where it has been missed.
     is_integrated: bool,
 }
 
@@ -66,77 +67,112 @@ impl InputCells {
     /// How many cells each input has.
     pub(crate) const COUNT: usize = 8;
 
-    fn new(held: &Held, input: usize, is_integrated: bool) -> Self {
-        let [start, left, expected, led, slope, slope_before, missed, missed_before] =
+    fn new(held: &Held, input: usize, is_stepwise: bool, is_integrated: bool) -> Self {
+        let [start, left, expected, integral, slope, slope_before, missed, missed_before] =
             [0, 1, 2, 3, 4, 5, 6, 7].map(|k| held.inputs.start + Self::COUNT * input + k);
         Self {
             start,
             left,
             expected,
-            led,
+            integral,
             slopes: [slope, slope_before],
             missed: [missed, missed_before],
+            is_stepwise,
             is_integrated,
         }
     }
-}
 
-/// Whether an input may change otherwise than by jumps.
-pub(crate) fn may_move(input: &Input) -> bool {
-    input.kind != Some(Kind::Bool)
+    /// Whether an input that is `u` now has jumped since it was noted.
+    fn has_jumped(&self, u: f64, d: &[f64]) -> bool {
+        let left = d[self.left];
+        if self.is_stepwise { u != left } else { (u - left).abs() > JUMP * (u.abs() + left.abs()) }
+    }
 }
 
 impl Network {
-    /// Calls `see` with each input of the members of a circuit that is a real number: its place, and its cells.
+    /// Calls `see` with each input of the members of a circuit: its place, and its cells.
     fn each_input(&self, separate: &Separate, mut see: impl FnMut(usize, InputCells)) {
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(held) = &seat.held else { continue };
             // Amplitude and frequency of an inverter; other parts may have angles, which jump by turns, or derivatives.
             let is_integrated = seat.member.part.separate.is_some();
             for (input, (start, end)) in seat.member.part.inputs.iter().zip(&seat.inputs) {
-                if may_move(input) {
-                    (*start as usize..*end as usize)
-                        .for_each(|k| see(seat.u.start + k, InputCells::new(held, k, is_integrated)));
-                }
+                let is_stepwise = input.kind.is_some_and(|kind| kind != Kind::Real);
+                (*start as usize..*end as usize).for_each(|k| {
+                    see(seat.u.start + k, InputCells::new(held, k, is_stepwise, is_integrated));
+                });
             }
         }
     }
 
-    /// Whether a circuit has an input that may change within a coupling step.
+    /// Whether a circuit has an input that may change within a coupling step otherwise than by jumps.
     pub(crate) fn has_moving_inputs(&self, separate: &Separate) -> bool {
         let mut any = false;
-        self.each_input(separate, |_, _| any = true);
+        self.each_input(separate, |_, cells| any |= !cells.is_stepwise);
         any
     }
 
     /// Notes the inputs of circuits at the end of an accepted step, before anything that is hit there changes them.
     pub(crate) fn note_inputs(&self, c: &Context, d: &mut [f64]) {
         for separate in &self.separate {
-            d[separate.cells().noted] = c.t;
-            self.each_input(separate, |input, cells| d[cells.left] = c.u[input]);
+            let cells = separate.cells();
+            let since = c.t - d[cells.since];
+            (d[cells.noted], d[cells.since]) = (c.t, c.t);
+            d[cells.cubes] += since.powi(3);
+            self.each_input(separate, |input, cells| {
+                d[cells.integral] += 0.5 * since * (d[cells.left] + c.u[input]);
+                d[cells.left] = c.u[input];
+            });
         }
     }
 
+    /// Whether an input of a circuit jumps now, within a step of it.
+    pub(crate) fn is_cut(&self, separate: &Separate, c: &Context, d: &[f64]) -> bool {
+        let cells = separate.cells();
+        // At the start, and just behind a hit, nothing has been noted.
+        let is_noted = (c.t - d[cells.noted]).abs() <= SAME * separate.step;
+        let is_within = is_noted && d[cells.until] > c.t && !separate.is_due(c.t, d);
+        let mut any = false;
+        if is_within {
+            self.each_input(separate, |input, cells| any |= cells.has_jumped(c.u[input], d));
+        }
+        any
+    }
+
     /// Compares how inputs have gone on in the last coupling step, or part of one, with what was expected, and finds how they will
-    /// in the one that begins now.
-    pub(crate) fn meet_inputs(&self, separate: &Separate, c: &Context, d: &mut [f64], room: &mut Room) {
+    /// in the one that begins now. Returns whether one has gone on so differently that the step is to be integrated once more.
+    pub(crate) fn meet_inputs(
+        &self,
+        separate: &Separate,
+        c: &Context,
+        d: &mut [f64],
+        room: &mut Room,
+    ) -> bool {
         room.u.clear();
         room.u.extend_from_slice(c.u);
-        room.courses.clear();
-        room.courses.resize(c.u.len(), Course::default());
+        for courses in [&mut room.courses, &mut room.went] {
+            courses.clear();
+            courses.resize(c.u.len(), Course::default());
+        }
+        room.was.clear();
+        room.was.extend_from_slice(c.u);
         room.leads = false;
         let is_first = d[separate.times + 1] <= 0.0;
-        let (last, span) = (c.t - d[separate.times], separate.cells().span);
-        let before = d[span];
-        // Where nothing moves between hits nobody has noted anything.
-        let is_noted = (c.t - d[separate.cells().noted]).abs() <= 1e-6 * last;
+        let is_whole = separate.is_due(c.t, d);
+        let (last, cells) = (c.t - d[separate.times], separate.cells());
+        let (before, cubes) = (d[cells.span], cells.cubes);
+        // Where nothing moves between hits nothing has been noted.
+        let is_noted = (c.t - d[cells.noted]).abs() <= SAME * last;
+        let mut is_missed = false;
         self.each_input(separate, |input, cells| {
-            if !is_first && is_noted {
+            room.was[input] = d[cells.start];
+            if !is_first && is_noted && !cells.is_stepwise && last > 0.0 {
                 let [slope, slope_before] = cells.slopes;
                 let [missed, missed_before] = cells.missed;
                 (d[slope_before], d[missed_before]) = (d[slope], d[missed]);
                 d[slope] = (d[cells.left] - d[cells.start]) / last;
-                d[missed] = (d[cells.left] - d[cells.expected]) / last.powi(3);
+                let off = if is_whole { d[cells.left] - d[cells.expected] } else { 0.0 };
+                d[missed] = off / last.powi(3);
                 let (now, then) = (d[slope], d[slope_before]);
                 // A first slope has no other beside it.
                 let then = if before > 0.0 { then } else { now };
@@ -144,31 +180,39 @@ impl Network {
                 let bend = if agree { (now - then) / (0.5 * (last + before)) } else { 0.0 };
                 let slope = if agree { now + 0.5 * last * bend } else { smaller(now, then) };
                 let doubt = smaller(d[missed], d[missed_before]);
-                let took = last * (0.5 * (d[cells.left] - d[cells.start]) - last * last * bend / 12.0);
-                let off = (d[cells.left] - d[cells.expected]).abs();
-                let is_owed =
-                    cells.is_integrated && off > KINK * (d[cells.start].abs() + d[cells.left].abs());
-                let owed = if is_owed { took - d[cells.led] } else { 0.0 };
-                room.courses[input] = Course { owed, slope, bend, doubt };
+                room.went[input] = {
+                    // What a parabola has more than the trapezoids under it.
+                    let integral = d[cells.integral] - bend * d[cubes] / 12.0;
+                    let even = 0.5 * last * (d[cells.start] + d[cells.left]);
+                    let bend = 12.0 * (even - integral) / last.powi(3);
+                    Course { slope: now - 0.5 * last * bend, bend, doubt: 0.0 }
+                };
+                room.courses[input] = Course { slope, bend, doubt };
                 room.leads |= room.courses[input] != Course::default();
+                is_missed |=
+                    cells.is_integrated && off.abs() > KINK * (d[cells.start].abs() + d[cells.left].abs());
             }
-            d[cells.start] = c.u[input];
+            (d[cells.start], d[cells.left], d[cells.integral]) = (c.u[input], c.u[input], 0.0);
         });
-        if !is_first {
-            d[span] = last;
+        (d[cells.since], d[cubes]) = (c.t, 0.0);
+        // A jump at this very time is none of the step that begins now.
+        d[cells.noted] = c.t - self.coupling_step();
+        if !is_first && last > 0.0 {
+            d[cells.span] = last;
         }
+        is_missed
     }
 
     /// Puts the inputs of a circuit where they are expected to be `s` after the hit at which they were `c.u`.
     pub(crate) fn lead_inputs(&self, separate: &Separate, s: f64, c: &Context, room: &mut Room) {
-        if !room.leads {
+        if !(room.leads || room.repeats) {
             return;
         }
         let doubt = if room.tries { s * room.step * room.step } else { 0.0 };
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             for input in seat.u.clone() {
                 let course = room.courses[input];
-                room.u[input] = c.u[input] + course.owed / room.step + course.after(s) + doubt * course.doubt;
+                room.u[input] = c.u[input] + course.after(s) + doubt * course.doubt;
             }
         }
     }
@@ -177,7 +221,6 @@ impl Network {
     pub(crate) fn expect_inputs(&self, separate: &Separate, d: &mut [f64], room: &Room) {
         self.each_input(separate, |input, cells| {
             d[cells.expected] = d[cells.start] + room.courses[input].after(room.step);
-            d[cells.led] = room.courses[input].led(room.step);
         });
     }
 }

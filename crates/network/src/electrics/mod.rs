@@ -50,7 +50,8 @@ pub(crate) mod heats;
 pub(crate) mod inputs;
 pub(crate) mod loops;
 pub(crate) mod margin;
-pub(crate) mod separate;
+pub(crate) mod repeat;
+mod separate;
 
 mod collect;
 mod conducting;
@@ -334,6 +335,11 @@ pub(crate) struct Cells {
     pub span: usize,
     /// When inputs were noted last, s.
     pub noted: usize,
+    /// The same within the step at hand, s, and the sum of the cubes of the lengths between, s^3.
+    pub since: usize,
+    pub cubes: usize,
+    /// [`CUT`](repeat::CUT) where the step at hand is what is left of one in which an input has jumped; less by one with each step.
+    pub cut: usize,
 }
 
 impl Separate {
@@ -343,9 +349,9 @@ impl Separate {
     }
 
     pub(crate) fn cells(&self) -> Cells {
-        let [parts, left, until, rtol, need, least, lasting, most, span, noted] =
-            [2, 3, 4, 5, 6, 7, 8, 9, 10, 11].map(|k| self.times + k);
-        Cells { parts, left, until, rtol, need, least, lasting, most, span, noted }
+        let [parts, left, until, rtol, need, least, lasting, most, span, noted, since, cubes, cut] =
+            [2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14].map(|k| self.times + k);
+        Cells { parts, left, until, rtol, need, least, lasting, most, span, noted, since, cubes, cut }
     }
 
     /// The circuits that ask for it; where they lie is not known yet.

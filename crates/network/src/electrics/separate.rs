@@ -11,7 +11,7 @@
 //! valves, whose moment is an error of the angle of order two; the line of its own moment would put it into every reading of a
 //! torque. Between edges Runge-Kutta of order four is used.
 //!
-//! Inputs go on as they did in the last steps, see `inputs.rs`. Outputs that need voltages show means over the step, since an instant of a
+//! Inputs go on as they did in the last steps, see `inputs.rs`, and where they do not, see `repeat.rs`. Outputs that need voltages show means over the step, since an instant of a
 //! circuit that switches says little; readings of currents and states show its beginning.
 //!
 //! Where the speeds turn out to be others than were expected, coupling steps are too long; see `coupling.rs`. What that does to
@@ -26,6 +26,7 @@ use blocksim_block::physical::Torque;
 
 use crate::electrics::coupling::{ALLOWED, LASTS, MOST_PARTS, STRICT, more_parts};
 use crate::electrics::currents::Faulty;
+use crate::electrics::repeat::CUT;
 use crate::electrics::{Separate, Shift};
 use crate::network::Network;
 use crate::work::Work;
@@ -37,6 +38,9 @@ const LEAST_OF_PART: f64 = 2.0;
 
 /// Parts of the very first one, in which it is not known how inputs move.
 const FIRST_PARTS: f64 = 16.0;
+
+/// What part of a coupling step is an instant.
+const INSTANT: f64 = 1e-9;
 
 /// Every so many coupling steps the error is estimated, and in the first ones always, where a drive starts.
 const EVERY: f64 = 16.0;
@@ -72,7 +76,14 @@ impl Network {
         room.doubt.clear();
         room.doubt.resize(self.rotation.pins.len(), 0.0);
         for separate in &self.separate {
-            if separate.is_due(c.t, d) && self.couple_one(separate, c, w, &mut room, d).is_err() {
+            let done = if separate.is_due(c.t, d) {
+                self.couple_one(separate, c, w, &mut room, d)
+            } else if self.is_cut(separate, c, d) {
+                self.cut(separate, c, w, &mut room, d)
+            } else {
+                Ok(())
+            };
+            if done.is_err() {
                 break;
             }
         }
@@ -93,12 +104,18 @@ impl Network {
     ) -> Result<(), Faulty> {
         let (cells, whole) = (separate.cells(), self.coupling_step());
         let (begins, before) = (d[cells.left] == 0.0, d[cells.parts].max(1.0));
-        self.meet_inputs(separate, c, d, room);
         room.own.clear();
         room.own.extend(self.own_branches(separate));
+        if self.meet_inputs(separate, c, d, room) {
+            self.repeat(separate, c, w, room, d)?;
+            self.forget_means(separate, room);
+        } else {
+            self.settle(separate, d);
+        }
         if !self.meets(separate, c, before, d, room) {
             return Err(Faulty);
         }
+        d[cells.cut] = (d[cells.cut] - 1.0).max(0.0);
         let number = if begins { (c.t / whole).round() } else { (c.t / whole + 1e-6).floor() };
         let tries = is_tried(number);
         let is_first = d[separate.times + 1] <= 0.0;
@@ -113,6 +130,7 @@ impl Network {
             room.step = if parts > 1.0 { whole / parts } else { whole };
             room.is_part = parts > 1.0;
             self.foresee(separate, before / parts, d, room);
+            self.give(separate, d, room);
             if !tries {
                 self.over(separate, c, w, room, d)?;
                 break;
@@ -145,8 +163,8 @@ impl Network {
         }
         d[cells.left] -= 1.0;
         d[cells.until] = c.t + room.step;
-        // A line through the means of parts would follow the ripple.
-        let own_moment = room.is_part || before > 1.0;
+        // A line through the means of parts would follow the ripple, and one behind a cut what has been owed.
+        let own_moment = room.is_part || before > 1.0 || d[cells.cut] > 0.0;
         if tries && d[cells.left] == 0.0 && parts > 1.0 {
             d[cells.lasting] += LASTS * (d[cells.need] - d[cells.lasting]);
             d[cells.most] = d[cells.most].max(d[cells.lasting]);
@@ -157,14 +175,23 @@ impl Network {
         Ok(())
     }
 
-    /// When a circuit takes the next part of its coupling step.
-    pub(crate) fn next_part(&self, d: &[f64]) -> f64 {
-        let cells = self.separate.iter().map(Separate::cells);
-        cells.filter(|cells| d[cells.left] > 0.0).map(|cells| d[cells.until]).fold(f64::INFINITY, f64::min)
+    /// When a circuit takes the next part of its coupling step: now, where an input jumps within one.
+    pub(crate) fn next_part(&self, c: &Context) -> f64 {
+        let time = |separate: &Separate| {
+            let cells = separate.cells();
+            if self.is_cut(separate, c, c.d) {
+                c.t
+            } else if c.d[cells.left] > 0.0 {
+                c.d[cells.until]
+            } else {
+                f64::INFINITY
+            }
+        };
+        self.separate.iter().map(time).fold(f64::INFINITY, f64::min)
     }
 
     /// Integrates a circuit over the step at hand, which begins now, on a copy of the discrete states.
-    fn over(
+    pub(crate) fn over(
         &self,
         separate: &Separate,
         c: &Context,
@@ -198,7 +225,7 @@ impl Network {
         done
     }
 
-    fn forget_means(&self, separate: &Separate, room: &mut Room) {
+    pub(crate) fn forget_means(&self, separate: &Separate, room: &mut Room) {
         let helds = separate.members.iter().filter_map(|i| self.seats[*i].held.as_ref());
         helds.for_each(|held| room.average[held.mean.clone()].fill(0.0));
     }
@@ -217,31 +244,36 @@ impl Network {
     }
 
     /// Keeps what the integration has found: the beginning stays what it was, the end is new.
-    fn end(&self, separate: &Separate, own_moment: bool, w: &Work, room: &Room, d: &mut [f64]) {
+    pub(crate) fn end(&self, separate: &Separate, own_moment: bool, w: &Work, room: &Room, d: &mut [f64]) {
         let t = room.d[separate.times];
         let (step, cells) = (room.step, separate.cells());
         let is_first = d[separate.times + 1] <= 0.0;
-        let (starts, ends) = (d[cells.left] == d[cells.parts] - 1.0, d[cells.left] == 0.0);
+        let is_cut = d[cells.cut] == CUT;
+        let (starts, ends) = (d[cells.left] == d[cells.parts] - 1.0 && !is_cut, d[cells.left] == 0.0);
         d[separate.times] = t;
         // Half an instant early: at the next hit the end is what holds.
-        d[separate.times + 1] = t + step * (1.0 - 1e-9);
+        d[separate.times + 1] = t + step * (1.0 - INSTANT);
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(held) = &seat.held else { continue };
             d.copy_within(held.x_end.clone(), seat.x.start);
             d.copy_within(held.d_end.clone(), seat.d.start);
             d[held.x_end.clone()].copy_from_slice(&room.d[seat.x.clone()]);
             d[held.d_end.clone()].copy_from_slice(&room.d[seat.d.clone()]);
-            let cells = held.torque.clone().zip(held.course.clone());
-            for ((mean, rise), branch) in cells.zip(seat.branches.clone()) {
-                let last = std::mem::replace(&mut d[mean], room.mean[branch] / step);
+            for (k, branch) in seat.branches.clone().enumerate() {
+                let [mean, rise, given] =
+                    [&held.torque, &held.course, &held.given].map(|cells| cells.start + k);
+                d[given] = room.given[branch];
+                let last = std::mem::replace(&mut d[mean], (room.mean[branch] + room.given[branch]) / step);
                 d[rise] = if own_moment {
                     6.0 * room.moment[branch] / (step * step)
                 } else {
                     0.5 * (d[mean] - last)
                 };
             }
-            for (mean, sum) in held.mean.clone().zip(held.sum.clone()) {
-                d[sum] = room.average[mean] + if starts { 0.0 } else { d[sum] };
+            for ((mean, sum), before) in held.mean.clone().zip(held.sum.clone()).zip(held.sum_before.clone())
+            {
+                d[before] = if starts { 0.0 } else { d[sum] };
+                d[sum] = room.average[mean] + d[before];
                 if ends {
                     d[mean] = d[sum] / self.coupling_step();
                 } else if is_first {
@@ -249,11 +281,19 @@ impl Network {
                 }
             }
             d[held.expected.clone()].copy_from_slice(&w.pin_speed[seat.pins.clone()]);
+            d[held.speed.clone()].copy_from_slice(&room.speed[seat.pins.clone()]);
+            d[held.acceleration.clone()].copy_from_slice(&room.acceleration[seat.pins.clone()]);
         }
     }
 
     /// From edge to edge.
-    fn advance(&self, separate: &Separate, c: &Context, w: &mut Work, room: &mut Room) -> Result<(), Faulty> {
+    pub(crate) fn advance(
+        &self,
+        separate: &Separate,
+        c: &Context,
+        w: &mut Work,
+        room: &mut Room,
+    ) -> Result<(), Faulty> {
         let step = room.step;
         let end = c.t + step;
         let least = if room.is_part { LEAST_OF_PART } else { LEAST };
@@ -269,7 +309,8 @@ impl Network {
         self.circuit(separate.island, &Context { t, d: &room.d, u: &room.u, ..*c }, w)?;
         for _ in 0..CHATTER {
             let next = self.switch(separate, t, c, w, room)?;
-            let until = next.min(end);
+            // An edge at the end belongs to the next step, with the inputs of that.
+            let until = if next < end - INSTANT * step { next } else { end };
             let fine = if room.tries { 2.0 } else { 1.0 };
             let steps = fine * ((until - t) / step * least).ceil().max(1.0);
             let h = (until - t) / steps;
@@ -332,10 +373,11 @@ impl Network {
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             for pin in seat.pins.clone() {
                 let yields = &room.yields[pin * room.mean.len()..];
-                let own = room.own.iter().map(|b| yields[*b] * room.kick[*b]);
+                let own = room.own.iter().map(|b| yields[*b] * (room.kick[*b] + s / step * room.given[*b]));
+                let own = if room.repeats { 0.0 } else { own.sum::<f64>() };
                 let bend = room.bend[pin] + if room.tries { room.doubt[pin] } else { 0.0 };
                 let bent = bend * (s / step).powi(2);
-                w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin] + own.sum::<f64>() + bent;
+                w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin] + own + bent;
             }
         }
     }

@@ -183,6 +183,16 @@ pub(crate) struct Room {
     pub courses: Vec<Course>,
     /// One of them moves.
     pub leads: bool,
+    /// Inputs of the network at the beginning of the step that is over, and how each of them has gone on since.
+    pub was: Vec<f64>,
+    pub went: Vec<Course>,
+    /// Speeds and accelerations of all pins at that time.
+    pub past_speed: Vec<f64>,
+    pub past_acceleration: Vec<f64>,
+    /// The step that is over is integrated once more: how the speeds have gone on is known.
+    pub repeats: bool,
+    /// Impulse of each branch that is given besides its own in the step at hand, N*m*s.
+    pub given: Vec<f64>,
 }
 
 impl Room {
@@ -217,6 +227,12 @@ impl Room {
             u: room(inputs),
             courses: Vec::with_capacity(inputs),
             leads: false,
+            was: room(inputs),
+            went: Vec::with_capacity(inputs),
+            past_speed: room(pins),
+            past_acceleration: room(pins),
+            repeats: false,
+            given: room(branches),
         }
     }
 }

@@ -171,6 +171,16 @@ impl Diagram {
         Ok(changed)
     }
 
+    /// Has the blocks note their inputs that want to know of changes, before something changes that never does by itself.
+    pub fn note(&mut self) -> Result<(), Failed> {
+        for i in 0..self.plan.noting.len() {
+            self.change(self.plan.noting[i], |block, c, _, d| {
+                block.accept(c, d);
+            })?;
+        }
+        Ok(())
+    }
+
     /// Tells the blocks that remember what they saw of a part of a step; `inputs` are those of each block in turn, at the
     /// nodes. The signals belong to the end of the part.
     pub fn remember(&mut self, piece: &Piece) -> Result<(), Failed> {

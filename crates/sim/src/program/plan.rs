@@ -1,7 +1,7 @@
 //! The schedule as the hot loop wants it: flat, short, without strings.
 
 use std::cell::LazyCell;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -145,6 +145,8 @@ pub(crate) struct Plan {
     /// Those of them that jump before the rest of the diagram is evaluated.
     pub early: Early,
     pub accepting: Vec<usize>,
+    /// Blocks that want to know of inputs that change between their hits.
+    pub noting: Vec<usize>,
     /// Blocks that keep a copy of their outputs.
     pub holding: Vec<usize>,
     pub remembering: Vec<usize>,
@@ -213,6 +215,7 @@ impl Plan {
             jumping: chosen(&|b| b.interface.jumps),
             early: Early::new(schedule),
             accepting: accepting(schedule),
+            noting: chosen(&|b| !b.interface.notes.is_empty()),
             holding: chosen(&|b| b.interface.holds.is_some()),
             remembering: chosen(&|b| b.interface.remembers.is_some()),
             subdividing: chosen(&|b| b.interface.subdivides),
@@ -337,18 +340,31 @@ fn source(unit: &Unit, copies: &[(u32, u32)]) -> Source {
 /// Blocks that want to know that a step was accepted, for whom that may be news.
 fn accepting(schedule: &Schedule) -> Vec<usize> {
     let graph = LazyCell::new(|| Graph::new(schedule));
-    let moves = LazyCell::new(|| -> HashSet<(u32, u32)> {
-        let moving = schedule.steps.iter().filter(|step| matches!(step.when, When::Continuous));
-        moving.map(|step| (step.block, step.group)).collect()
+    let changes = LazyCell::new(|| -> HashMap<(u32, u32), When> {
+        schedule.steps.iter().map(|step| ((step.block, step.group), step.when)).collect()
     });
-    let may_move = |block: &Instance, port: usize| {
+    let is_hit_with = |rate: u32, block: &Instance| {
+        let rates = &schedule.clock.rates;
+        block.rate.is_some_and(|own| {
+            let (own, other) = (&rates[own], &rates[rate as usize]);
+            other.period % own.period == 0 && other.offset.abs_diff(own.offset) % own.period == 0
+        })
+    };
+    let may_change_between = |block: &Instance, port: usize| {
         let (from, len) = block.gather[port];
         let mut cells = from as usize..(from + len) as usize;
         cells.any(|cell| {
-            graph.writer(cell).is_some_and(|(block, group)| moves.contains(&(block as u32, group as u32)))
+            let writer = graph.writer(cell).map(|(block, group)| (block as u32, group as u32));
+            writer.and_then(|writer| changes.get(&writer)).is_some_and(|when| match when {
+                When::Constant => false,
+                When::Major | When::Continuous => true,
+                When::Sampled(rate) => !is_hit_with(*rate, block),
+            })
         })
     };
-    let wants = |b: &Instance| b.interface.accepts || b.interface.notes.iter().any(|&port| may_move(b, port));
+    let wants = |b: &Instance| {
+        b.interface.accepts || b.interface.notes.iter().any(|&port| may_change_between(b, port))
+    };
     schedule.blocks.iter().enumerate().filter(|(_, b)| wants(b)).map(|(i, _)| i).collect()
 }
 

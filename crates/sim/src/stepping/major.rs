@@ -117,6 +117,8 @@ impl Simulation {
         self.diagram.hold_outputs();
         self.report_modes(false, observer);
         observer.row(self.t, &self.rows.values);
+        let between = self.diagram.update_between(self.t);
+        self.held(between)?;
         self.guards.known = false;
         self.guards.turns.forget();
         self.guards.turns.forget_slopes();
