@@ -199,6 +199,36 @@ fn a_thyristor_waits_for_its_gate_and_conducts_until_its_current_ends() {
     }
 }
 
+/// Two valves without resistance side by side: that with the lower forward voltage takes all, whatever the blocks are called.
+#[test]
+fn of_two_ideal_valves_in_parallel_the_one_with_less_voltage_conducts() {
+    for [thyristor, diode] in [["a", "b"], ["b", "a"]] {
+        for (v_f, right) in [("0.6", [0.0, 11.6, 11.7, 0.0]), ("1.2", [0.0, 11.6, 0.0, 11.6])] {
+            let run = run_text(&circuit(
+                "0.2 s",
+                &format!(
+                    r#""u": VoltageSource(v: "24 V"), "r": Resistor(r: "2 Ohm"), "{thyristor}": Thyristor(v_f: {v_f}, r_on: 0),
+                       "{diode}": Diode(v_f: 0.8, r_on: 0), "step": Step(time: "0.1 s"), "on": Compare(operator: Greater, constant: 0.5)"#
+                ),
+                &format!(
+                    r#""u.p <-> r.p", "r.n <-> a.p <-> b.p", "u.n <-> a.n <-> b.n <-> g.p", "step.y -> on.u", "on.y -> {thyristor}.gate",
+                       "{thyristor}.i -> s.thyristor", "{diode}.i -> s.diode""#
+                ),
+                r#""thyristor", "diode""#,
+            ));
+            let found = [
+                run.at("s.thyristor", 0.05),
+                run.at("s.diode", 0.05),
+                run.last("s.thyristor"),
+                run.last("s.diode"),
+            ];
+            for (found, right) in found.iter().zip(right) {
+                assert!((found - right).abs() < 1e-9, "{thyristor}, {v_f} V: {found}, not {right}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_star_of_three_different_coils_finds_the_potential_of_its_point() {
     let run = run_text(&circuit(

@@ -5,8 +5,9 @@ use super::valve::{Device, Valve};
 
 /// Field-effect transistor with its body diode.
 ///
-/// While `gate` is true it conducts between `p` (drain) and `n` (source) in both directions with $v = r_{on} i$. Else only
-/// the body diode conducts, from `n` to `p`, with $v = v_f + r_{on} i$.
+/// While `gate` is true its channel conducts between `p` (drain) and `n` (source) in both directions with $v = r_{on} i$. Its body diode
+/// conducts from `n` to `p`, with a resistance $r_{on}$ of its own behind $v_f$, whether the channel does or not: beside the channel from
+/// the current $v_f / r_{on}$ on.
 ///
 /// ```ron
 /// Mosfet(r_on: "4 mOhm")

@@ -15,7 +15,7 @@ use blocksim_block::physical::ValveKind;
 
 use crate::electrics::charges::Divided;
 use crate::electrics::margin::NOTHING;
-use crate::electrics::{Conducting, Unsolvable};
+use crate::electrics::{Branch, Conducting, Unsolvable};
 use crate::network::Network;
 use crate::work::Work;
 
@@ -171,19 +171,10 @@ impl Network {
         {
             return Ok(Wrong::Valve(bit, 0.0));
         }
-        if let Err(Unsolvable::Loop(two_pins)) = chosen {
-            // A loop of ideal voltages: the first of those that conduct by themselves lets go.
-            let two_pins: Vec<usize> =
-                two_pins.iter().map(|i| self.electrics.islands[island].two_pins[*i].index).collect();
-            let natural = conducting & self.natural_of(island);
-            let in_loop = |bit: &usize| {
-                let valve = self.electrics.islands[island].valves[*bit];
-                natural >> bit & 1 == 1 && two_pins.contains(&self.electrics.valves[valve].two_pin)
-            };
-            let bits = 0..self.electrics.islands[island].valves.len();
-            if let Some(bit) = bits.clone().find(in_loop) {
-                return Ok(Wrong::Valve(bit, 0.0));
-            }
+        if let Err(Unsolvable::Loop(two_pins)) = chosen
+            && let Some(bit) = self.lets_go(island, w, conducting, &two_pins)
+        {
+            return Ok(Wrong::Valve(bit, 0.0));
         }
         self.circuit(island, c, w)?;
         if self.misses(island, c, w) {
@@ -213,6 +204,33 @@ impl Network {
             Wrong::Arc if lost <= late * (1.0 + 1e-6) => Wrong::Remainder,
             arc => arc,
         })
+    }
+
+    /// Which of the valves that conduct by themselves lets go in a loop of ideal voltages: the first of those through which what is
+    /// left of the voltages drives a current backward, however small the resistances are.
+    fn lets_go(
+        &self,
+        island: usize,
+        w: &Work,
+        conducting: Conducting,
+        two_pins: &[(usize, f64)],
+    ) -> Option<usize> {
+        let circuit = &self.electrics.islands[island];
+        let voltage = |i: usize| match circuit.two_pins[i].branch {
+            Branch::Source(given) | Branch::Variable(given) => w.given[given],
+            Branch::Valve { forward_voltage, .. } => forward_voltage,
+            _ => 0.0,
+        };
+        let left: f64 = two_pins.iter().map(|(i, factor)| factor * voltage(*i)).sum();
+        let natural = conducting & self.natural_of(island);
+        let factor_of = |bit: &usize| {
+            let valve = &self.electrics.valves[circuit.valves[*bit]];
+            let in_loop = two_pins.iter().find(|(i, _)| circuit.two_pins[*i].index == valve.two_pin);
+            in_loop.filter(|_| natural >> bit & 1 == 1).map(|(_, factor)| *factor)
+        };
+        let bits = 0..circuit.valves.len();
+        let backward = bits.clone().find(|bit| factor_of(bit).is_some_and(|factor| factor * left > 0.0));
+        backward.or_else(|| bits.clone().find(|bit| factor_of(bit).is_some()))
     }
 
     /// The valve whose voltage or current contradicts most what it does.

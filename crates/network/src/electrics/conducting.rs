@@ -6,8 +6,9 @@ pub(crate) type Conducting = u128;
 /// Why there is no solution.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Unsolvable {
-    /// Branches that prescribe voltages close a loop: indices of two-pins.
-    Loop(Vec<usize>),
+    /// Branches that prescribe voltages close a loop: indices of two-pins, with the factors with which their voltages add up to zero;
+    /// factors of zero where it is not known which of them do.
+    Loop(Vec<(usize, f64)>),
     /// The current of a two-pin that somebody looks at, the first, asks for the slope of a voltage, the second, that
     /// nobody knows; or its voltage for the slope of a current.
     Slope(usize, usize),

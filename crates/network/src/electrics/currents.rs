@@ -333,7 +333,7 @@ impl Network {
         };
         match why {
             Unsolvable::Loop(two_pins) => {
-                let mut names: Vec<&str> = two_pins.iter().map(name).collect();
+                let mut names: Vec<&str> = two_pins.iter().map(|(i, _)| name(i)).collect();
                 names.dedup();
                 format!(
                     "the conducting valves (`{}`) close a loop of ideal voltages among `{}`: give the valves a \

@@ -46,7 +46,7 @@ fn conflicts(electrics: &Electrics, island: &Island) -> Vec<NetworkProblem> {
     let fights = |branch: &Branch| electrics.capacitance(branch).is_none();
     let alone = |i: &usize| fights(&island.two_pins[*i].branch);
     // Without capacitances where they have no part in it.
-    let whole = found.err().is_none_or(|of| !of.iter().all(alone));
+    let whole = found.err().is_none_or(|of| !of.iter().all(|(i, _)| alone(i)));
     let sources = |branch: &Branch| {
         matches!(branch, Branch::Source(_) | Branch::Variable(_)) && (whole || fights(branch))
     };
@@ -135,13 +135,13 @@ fn conflict(
 }
 
 /// Ideal branches that close a loop, where no single pair of them fights.
-fn closed(island: &Island, two_pins: &[usize]) -> NetworkProblem {
+fn closed(island: &Island, two_pins: &[(usize, f64)]) -> NetworkProblem {
     let problem = NetworkProblem::new(
         "voltage_conflict",
         "ideal voltages close a loop without resistance",
         "add a resistance to the loop",
     );
-    two_pins.iter().fold(problem, |problem, i| problem.with(island.two_pins[*i].member, "belongs to it"))
+    two_pins.iter().fold(problem, |problem, (i, _)| problem.with(island.two_pins[*i].member, "belongs to it"))
 }
 
 /// A current that contains the slope of a voltage that nothing tells, or a voltage that contains that of a current.

@@ -41,12 +41,13 @@ pub(crate) struct Loop {
 /// The loops of the branches for which `closed` holds, all of which prescribe voltages, and of the transformers.
 ///
 /// # Errors
-/// Positions of the two-pins of a loop that no capacitance closes, or that a transformer of variable ratio belongs to.
+/// Positions of the two-pins of a loop that no capacitance closes, or that a transformer of variable ratio belongs to, with the factors
+/// with which their voltages add up to zero.
 pub(crate) fn find(
     electrics: &Electrics,
     island: &Island,
     closed: impl Fn(usize) -> bool,
-) -> Result<Vec<Loop>, Vec<usize>> {
+) -> Result<Vec<Loop>, Vec<(usize, f64)>> {
     let is_capacitance = |i: usize| electrics.capacitance(&island.two_pins[i].branch).is_some();
     let all = || (0..island.two_pins.len()).filter(|i| closed(*i));
     // Capacitances come last, so that they close the loops.
@@ -57,7 +58,7 @@ pub(crate) fn find(
     for l in &loops {
         let variable = |(i, _): &(usize, f64)| matches!(island.two_pins[*i].branch, Branch::Variable(_));
         if !is_capacitance(l.chord) || l.others.iter().any(variable) {
-            return Err(l.others.iter().map(|(i, _)| *i).chain([l.chord]).collect());
+            return Err(l.others.iter().copied().chain([(l.chord, -1.0)]).collect());
         }
     }
     Ok(loops)

@@ -150,7 +150,7 @@ pub(crate) fn solve(
     let Some(solution) = system.solve().filter(|solution| well(&system, solution)) else {
         let closed = |b: &Now| matches!(b, Now::Row(_) | Now::Chord | Now::Primary(_) | Now::Secondary);
         let all = island.two_pins.iter().zip(&branches).enumerate();
-        return Err(Unsolvable::Loop(all.filter(|(_, (_, b))| closed(b)).map(|(i, _)| i).collect()));
+        return Err(Unsolvable::Loop(all.filter(|(_, (_, b))| closed(b)).map(|(i, _)| (i, 0.0)).collect()));
     };
 
     let nothing = Row::new();
