@@ -23,6 +23,7 @@ use crate::steady::Rest;
 use crate::stepping::advance::Stop;
 use crate::stepping::angles::Angles;
 use crate::stepping::clock::{Grid, Hits};
+use crate::stepping::halves::Halves;
 use crate::stepping::methods;
 use crate::stepping::past::Past;
 use crate::{Control, Observer, SimError, diagnose};
@@ -79,6 +80,8 @@ pub struct Simulation {
     pub(crate) looked: f64,
     /// Present if the run is audited.
     pub(crate) audit: Option<Audit>,
+    /// Whether steps of fixed size are short enough.
+    pub(crate) halves: Option<Halves>,
     /// The steady state that it began in.
     pub(crate) rest: Option<Rest>,
     pub(crate) majors: u64,
@@ -205,6 +208,7 @@ impl Simulation {
             interrupted: false,
             looked: f64::NEG_INFINITY,
             audit: None,
+            halves: Halves::new(schedule.settings.solver, x.len()),
             rest: None,
             majors: 0,
             carried: Counts::default(),
@@ -257,6 +261,7 @@ impl Simulation {
             }
             self.update()?;
             let stop = self.next_stop(end)?;
+            self.look_at_halves(stop.t);
             if self.go_plainly(end, observer)? {
                 continue;
             }
@@ -381,7 +386,8 @@ impl Simulation {
         let told = blocks.flat_map(|block| block.block.warnings(&self.diagram.d[cells(block)], rtol));
         let mut told: Vec<Problem> = told.collect();
         told.extend(self.ignored_states());
-        told.extend(coarse_step(&self.schedule));
+        // A source that swings within a step puts states off, too.
+        told.extend(coarse_step(&self.schedule).or_else(|| self.too_long_for()));
         told
     }
 

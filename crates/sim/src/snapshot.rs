@@ -9,6 +9,7 @@ use crate::events::guards::Guards;
 use crate::events::pace::Pace;
 use crate::ignored_states::Sizes;
 use crate::rows::refine::Refine;
+use crate::stepping::halves::{Halves, OfState};
 use crate::stepping::methods;
 use crate::stepping::past::Past;
 use crate::{Counts, SimError, Simulation};
@@ -37,6 +38,7 @@ pub struct Snapshot {
     refine: Refine,
     sizes: Sizes,
     stepper: Option<Memory>,
+    halves: Option<(u64, Vec<OfState>)>,
     unasked: u32,
     interrupted: bool,
 }
@@ -74,6 +76,7 @@ impl Simulation {
             refine: self.refine.clone(),
             sizes: self.sizes.clone(),
             stepper: self.stepper.as_ref().map(|stepper| stepper.memory()),
+            halves: self.halves.as_ref().map(Halves::memory),
             unasked: self.unasked,
             interrupted: self.interrupted,
         }
@@ -128,6 +131,9 @@ impl Simulation {
         self.stepper = methods::stepper(&self.schedule);
         if let (Some(stepper), Some(memory)) = (&mut self.stepper, &snapshot.stepper) {
             stepper.recall(memory);
+        }
+        if let (Some(halves), Some(memory)) = (&mut self.halves, &snapshot.halves) {
+            halves.recall(memory);
         }
         (self.unasked, self.interrupted) = (snapshot.unasked, snapshot.interrupted);
         self.looked = if self.started { self.t } else { f64::NEG_INFINITY };

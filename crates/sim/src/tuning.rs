@@ -57,6 +57,7 @@ impl Simulation {
             to.go_to(from.next());
         }
         next.pace.clone_from(&self.pace);
+        next.halves = self.halves.take();
         next.past.clone_from(&self.past);
         next.sizes.clone_from(&self.sizes);
         (next.majors, next.events, next.hit_count) = (self.majors, self.events, self.hit_count);

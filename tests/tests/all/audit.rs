@@ -78,3 +78,49 @@ fn a_fixed_step_that_a_source_swings_within_is_told() {
     assert!(seen < 100.0 && warnings == ["coarse_step"], "{seen} {warnings:?}");
     assert_eq!(peaks("Ode4(step: \"2.51 ms\")").1, ["coarse_step"]);
 }
+
+/// A level that a limited gain holds at 1, at the end of a second, and the warnings.
+fn limited(solver: &str) -> (f64, Vec<&'static str>) {
+    let run = run_text(&format!(
+        r#"Diagram(
+            simulation: (stop_time: "1 s", solver: {solver}),
+            blocks: {{
+                "setpoint": Constant(value: 1.0), "error": Sum(signs: "+-"), "gain": Gain(k: 1000.0),
+                "limit": Saturation(lower: -10.0, upper: 10.0), "level": Integrator, "show": Scope,
+            }},
+            connections: [
+                "setpoint.y -> error.u1", "level.y -> error.u2, show.u",
+                "error.y -> gain.u", "gain.y -> limit.u", "limit.y -> level.u",
+            ],
+        )"#
+    ));
+    (run.last("show.u"), run.warnings.iter().map(|warning| warning.code).collect())
+}
+
+#[test]
+fn a_fixed_step_beyond_stability_that_a_limit_hides_is_told() {
+    let (level, warnings) = limited("Ode4(step: \"5 ms\")");
+    assert!((level - 0.99).abs() < 1e-9 && warnings == ["coarse_step"], "{level} {warnings:?}");
+    let (level, warnings) = limited("Ode4(step: \"2 ms\")");
+    assert!((level - 1.0).abs() < 1e-9 && warnings.is_empty(), "{level} {warnings:?}");
+}
+
+/// A quick lag follows a slow sine: beyond the ends of the real intervals of stability (E. Hairer, G. Wanner, Solving Ordinary Differential
+/// Equations II, IV.2) errors grow, and nothing is said below them.
+#[test]
+fn what_grows_with_a_fixed_step_is_told_and_nothing_else() {
+    for (method, end) in [("Ode1", 2.0), ("Ode2", 2.0), ("Ode3", 2.513), ("Ode4", 2.785), ("Ode5", 3.307)] {
+        for (share, told) in [(0.95, false), (1.05, true)] {
+            let step = share * end * 1e-3;
+            let run = run_text(&format!(
+                r#"Diagram(
+                    simulation: (stop_time: "1 s", solver: {method}(step: {step})),
+                    blocks: {{ "wave": Sine(frequency: "1 Hz"), "lag": TransferFunction(num: [1.0], den: [0.001, 1.0]), "show": Scope }},
+                    connections: ["wave.y -> lag.u", "lag.y -> show.u"],
+                )"#
+            ));
+            let codes: Vec<_> = run.warnings.iter().map(|warning| warning.code).collect();
+            assert_eq!(codes == ["coarse_step"], told, "{method}, step {step}: {codes:?}");
+        }
+    }
+}

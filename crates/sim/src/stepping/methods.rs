@@ -36,7 +36,8 @@ pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
     })
 }
 
-fn fixed(method: FixedMethod, n: usize, step: f64) -> FixedStep {
+/// A method of fixed step for so many states.
+pub(crate) fn fixed(method: FixedMethod, n: usize, step: f64) -> FixedStep {
     match method {
         FixedMethod::Ode1 => FixedStep::ode1(n, step),
         FixedMethod::Ode2 => FixedStep::ode2(n, step),

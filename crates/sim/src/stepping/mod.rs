@@ -4,6 +4,7 @@ pub(crate) mod advance;
 pub(crate) mod angles;
 pub(crate) mod clock;
 pub(crate) mod early;
+pub(crate) mod halves;
 pub(crate) mod major;
 pub(crate) mod methods;
 pub(crate) mod past;

@@ -62,6 +62,7 @@ impl Simulation {
                 self.plain_instant(observer)?;
             }
             let is_over = self.diagram.settle.changed || self.diagram.now.fault.ends();
+            let is_over = is_over || self.steps_to_look() == 0;
             if is_over || self.unasked >= PATIENCE || observer.is_waiting(self.t) {
                 break;
             }
@@ -78,6 +79,7 @@ impl Simulation {
     /// Steps that the diagram makes by itself, one after the other, as long as all is as it should be; the first one that is not is
     /// left to [`step`](Self::step). Returns whether others are to be heard before the next one.
     fn dash(&mut self, due: f64, observer: &mut dyn Observer) -> Result<bool, SimError> {
+        let to_look = self.steps_to_look();
         let Self { diagram, stepper, grid: Some(grid), rows, hits, .. } = self else { return Ok(false) };
         let Some(single) = stepper.as_ref().and_then(|stepper| stepper.single()) else { return Ok(false) };
         if rows.grid.is_some() || !diagram.dashes() {
@@ -108,7 +110,7 @@ impl Simulation {
             }
             observer.row(self.t, &rows.values);
             _ = grid.pass(self.t);
-            is_over = self.unasked >= PATIENCE || observer.is_waiting(self.t);
+            is_over = self.unasked >= PATIENCE || steps >= to_look || observer.is_waiting(self.t);
             self.unasked += u32::from(!is_over);
         };
         self.stepper.iter_mut().for_each(|stepper| stepper.made(steps, before, self.t));

@@ -1,0 +1,155 @@
+//! Whether steps of fixed size are short enough: now and then, the more rarely the longer a run is, a step is compared with its two
+//! halves, from the states at hand and with the modes as they are.
+//!
+//! A method of fixed step has no estimate of its error. Beyond its limit of stability it goes on, and where a limiter, a diode or friction
+//! bounds what grows, its results even look sound; each step is then far from its halves.
+
+use blocksim_block::problem::Problem;
+use blocksim_block::schedule::{FixedMethod, Solver};
+use blocksim_solve::{FixedStep, Stepper, System};
+
+use crate::stepping::methods::fixed;
+use crate::{Simulation, diagnose};
+
+/// Steps before the first look, and which part of the steps so far lies between two.
+const FIRST: u64 = 16;
+const SHARE: u64 = 8;
+/// Error of a step, as a part of the greatest size of a state, that is told.
+const TOLD: f64 = 1e-3;
+/// So many looks must have found it: an event within a step or the begin of a transient is no more than one.
+const OFTEN: u32 = 3;
+/// States smaller than this part of the largest one are noise.
+const NOISE: f64 = 1e-12;
+
+/// What looks have found.
+pub(crate) struct Halves {
+    method: FixedMethod,
+    step: f64,
+    stepper: FixedStep,
+    /// Number of steps at which the next look is due.
+    next: u64,
+    /// States after a step, and after two of half its size.
+    whole: Vec<f64>,
+    halved: Vec<f64>,
+    of_states: Vec<OfState>,
+}
+
+/// What is known of a state.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct OfState {
+    /// The greatest value so far, and the greatest error of a step.
+    size: f64,
+    error: f64,
+    /// How many looks have found the error too large for the size of that time, and when the first did, s.
+    found: u32,
+    since: f64,
+}
+
+impl Halves {
+    /// Nothing for a method that chooses its steps.
+    pub(crate) fn new(solver: Solver, states: usize) -> Option<Self> {
+        let Solver::Fixed { method, step } = solver else { return None };
+        (states > 0).then(|| Self {
+            method,
+            step,
+            stepper: fixed(method, states, step),
+            next: FIRST,
+            whole: vec![0.0; states],
+            halved: vec![0.0; states],
+            of_states: vec![OfState::default(); states],
+        })
+    }
+
+    /// What is remembered of the run.
+    pub(crate) fn memory(&self) -> (u64, Vec<OfState>) {
+        (self.next, self.of_states.clone())
+    }
+
+    pub(crate) fn recall(&mut self, (next, of_states): &(u64, Vec<OfState>)) {
+        self.next = *next;
+        self.of_states.clone_from(of_states);
+    }
+
+    /// Compares the step from (`t`, `x`) to `end` with its halves. Where one of them cannot be made, there is nothing to be seen.
+    fn look(&mut self, system: &mut dyn System, t: f64, x: &[f64], end: f64) {
+        let Self { stepper, whole, halved, .. } = self;
+        let mut go = |x: &mut [f64], ends: &[f64]| {
+            let mut t = t;
+            ends.iter().all(|end| stepper.step(system, &mut t, x, *end).is_ok())
+        };
+        whole.copy_from_slice(x);
+        halved.copy_from_slice(x);
+        if !(go(whole, &[end]) && go(halved, &[t + 0.5 * (end - t), end])) {
+            return;
+        }
+        let largest = x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        for (((state, x), whole), halved) in self.of_states.iter_mut().zip(x).zip(whole).zip(halved) {
+            let off = (*whole - *halved).abs();
+            state.size = state.size.max(x.abs());
+            state.error = state.error.max(off);
+            if off > TOLD * state.size.max(NOISE * largest) {
+                state.found += 1;
+                state.since = if state.found == 1 { t } else { state.since };
+            }
+        }
+    }
+
+    /// The state that steps are too long for, and by how much of its size one is off.
+    fn worst(&self) -> Option<(usize, f64)> {
+        let largest = self.of_states.iter().fold(0.0_f64, |most, state| most.max(state.size));
+        let share = |state: &OfState| state.error / state.size.max(NOISE * largest);
+        let found = self.of_states.iter().enumerate().filter(|(_, state)| state.found >= OFTEN);
+        let told = found.map(|(index, state)| (index, share(state))).filter(|(_, share)| *share > TOLD);
+        told.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+impl Simulation {
+    /// Looks whether steps are short enough, if it is time to; the step at hand ends at `end`.
+    pub(crate) fn look_at_halves(&mut self, end: f64) {
+        let is_due = self.steps_to_look() == 0;
+        let steps = self.grid.as_ref().map_or(0, |grid| grid.next());
+        // What is left up to an event says little.
+        if let Some(halves) =
+            self.halves.as_mut().filter(|halves| is_due && end - self.t >= 0.5 * halves.step)
+        {
+            halves.next = steps + (steps / SHARE).max(FIRST);
+            self.compare_with_halves(end);
+        }
+    }
+
+    /// How many steps are to be made before the next look.
+    pub(crate) fn steps_to_look(&self) -> u64 {
+        let steps = self.grid.as_ref().map_or(0, |grid| grid.next());
+        self.halves.as_ref().map_or(u64::MAX, |halves| halves.next.saturating_sub(steps))
+    }
+
+    fn compare_with_halves(&mut self, end: f64) {
+        let Some(halves) = &mut self.halves else { return };
+        halves.look(&mut self.diagram, self.t, &self.x, end.min(self.t + halves.step));
+        self.diagram.failure = None;
+        self.diagram.forget();
+        // What fails here fails in the step itself, which says why.
+        _ = self.diagram.continuous(self.t, &self.x);
+    }
+
+    /// A warning where fixed steps are too long for a state.
+    pub(crate) fn too_long_for(&mut self) -> Option<Problem> {
+        let known = self.halves.as_ref()?;
+        if known.of_states.iter().any(|state| state.found >= OFTEN) {
+            // What grows has grown since.
+            self.compare_with_halves(self.t + known.step);
+        }
+        let halves = self.halves.as_ref()?;
+        let (state, share) = halves.worst()?;
+        let name = diagnose::state_names(&self.schedule).swap_remove(state);
+        let message = format!(
+            "a fixed step of {} s is too long for `{name}`: `{:?}` is off by {:.1e} of its size in a single step, first at {:.3e} s",
+            halves.step, halves.method, share, halves.of_states[state].since,
+        );
+        Some(Problem::warning("coarse_step", message).help(
+            "take shorter steps until results stay as they are (`--verify` compares with half the step), or a method that chooses its \
+             steps, such as `Auto`",
+        ))
+    }
+}
