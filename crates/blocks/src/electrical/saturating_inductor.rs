@@ -1,7 +1,10 @@
 use blocksim_block::physical::{Element, Pin};
 use blocksim_block::prelude::*;
 
-/// Inductor whose core saturates, without hysteresis. Its current is a state.
+/// Most steps of the search for the current of a linkage: at the knee of the sharpest curves it takes some twenty.
+const STEPS: usize = 100;
+
+/// Inductor whose core saturates, without hysteresis. Its flux linkage is a state.
 ///
 /// $$ \psi = L_s i + (L_0 - L_s)\, i_s \tanh\frac{i}{i_s}, \qquad v = \frac{d\psi}{dt} = L(i) \frac{di}{dt}, \qquad
 ///    L(i) = L_s + \frac{L_0 - L_s}{\cosh^2(i/i_s)} $$
@@ -46,24 +49,19 @@ impl SaturatingInductor {
         self.l_s * i + (self.l0 - self.l_s) * self.i_s * (i / self.i_s).tanh()
     }
 
-    /// The current that has a flux linkage, A. It rises with the linkage, at most by one over `l_s`.
+    /// The current that has a flux linkage, A. Newton's method comes from below, where the linkage bends away from it: from the larger of
+    /// the currents of the unsaturated and the saturated line.
     fn current_of(&self, linkage: f64) -> f64 {
-        let (mut low, mut high) = (linkage / self.l0, linkage / self.l_s);
-        let mut i = low;
-        for _ in 0..200 {
-            let off = self.linkage(i) - linkage;
-            if off.abs() <= 4.0 * f64::EPSILON * linkage.abs() {
+        let size = linkage.abs();
+        let mut i = (size / self.l0).max((size - (self.l0 - self.l_s) * self.i_s) / self.l_s);
+        for _ in 0..STEPS {
+            let off = self.linkage(i) - size;
+            i -= off / self.inductance(i);
+            if off.abs() <= 4.0 * f64::EPSILON * size {
                 break;
             }
-            if (off > 0.0) == (linkage > 0.0) {
-                high = i
-            } else {
-                low = i
-            }
-            let newton = i - off / self.inductance(i);
-            i = if newton > low.min(high) && newton < low.max(high) { newton } else { 0.5 * (low + high) };
         }
-        i
+        i.copysign(linkage)
     }
 }
 
@@ -71,34 +69,38 @@ impl Component for SaturatingInductor {
     fn part(&self, _given: &Given) -> Part {
         Part::new()
             .pins()
-            .state_in("i", self.i0, "A")
+            .state_in("psi", self.linkage(self.i0), "Wb")
             .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
-            .current_is(Gives::State(0))
             .measures("i", "A", Needs::State, "current from p to n")
             .measures("psi", "Wb", Needs::State, "flux linkage")
     }
 
+    fn currents(&self, c: &Moving, i: &mut [f64]) {
+        i[0] = self.current_of(c.x[0]);
+    }
+
     fn reluctance(&self, c: &Flowing, _internal: &mut [f64], inverse: &mut [f64]) {
-        inverse[0] = 1.0 / self.inductance(c.x[0]);
+        inverse[0] = 1.0 / self.inductance(self.current_of(c.x[0]));
     }
 
     fn strike(&self, _c: &Fed, volt_seconds: &[f64], x: &mut [f64]) {
-        x[0] = self.current_of(self.linkage(x[0]) + volt_seconds[0]);
+        x[0] += volt_seconds[0];
     }
 
     fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
-        dx[0] = c.voltage[0] / self.inductance(c.x[0]);
+        dx[0] = c.voltage[0];
     }
 
     fn energy(&self, c: &Flowing) -> Energy {
-        let (i, x) = (c.x[0], (c.x[0] / self.i_s).abs());
+        let i = self.current_of(c.x[0]);
+        let x = (i / self.i_s).abs();
         let ln_cosh = x + (-2.0 * x).exp().ln_1p() - std::f64::consts::LN_2;
         let knee = self.i_s * self.i_s * (x * x.tanh() - ln_cosh);
         Energy::stored(0.5 * self.l_s * i * i + (self.l0 - self.l_s) * knee)
     }
 
     fn measure_state(&self, c: &Moving, y: &mut [f64]) {
-        y.copy_from_slice(&[c.x[0], self.linkage(c.x[0])]);
+        y.copy_from_slice(&[self.current_of(c.x[0]), c.x[0]]);
     }
 }
 
@@ -126,11 +128,27 @@ mod tests {
     }
 
     #[test]
+    fn the_current_of_a_linkage_is_found_wherever_it_lies() {
+        for coil in [
+            COIL,
+            SaturatingInductor { l0: 5.0, l_s: 5e-3, i_s: 0.1, i0: 0.0 },
+            SaturatingInductor { l_s: 10e-3, ..COIL },
+        ] {
+            for current in [0.0, 1e-12, 1e-3, 0.1, 0.3, 1.0, 4.0, 13.0, 1e4] {
+                for current in [current, -current] {
+                    let found = coil.current_of(coil.linkage(current));
+                    assert!((found - current).abs() <= 1e-12 * current.abs(), "{found} for {current}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn volt_seconds_add_to_the_linkage() {
         for (before, volt_seconds) in [(0.0, 0.02), (3.0, -0.1), (-6.0, 1.0), (0.0, 1e-9), (2.0, 0.0)] {
-            let mut x = [before];
+            let mut x = [COIL.linkage(before)];
             COIL.strike(&Seen::NOTHING.loaded(), &[volt_seconds], &mut x);
-            let found = COIL.linkage(x[0]) - COIL.linkage(before);
+            let found = COIL.linkage(COIL.current_of(x[0])) - COIL.linkage(before);
             assert!(
                 (found - volt_seconds).abs() < 1e-15 + 1e-14 * volt_seconds.abs(),
                 "{found} for {volt_seconds}"
