@@ -74,6 +74,72 @@ fn a_varistor_that_a_current_drives_has_the_root_of_it_as_voltage() {
     }
 }
 
+/// The root of a function that rises, by bisection.
+fn root(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if f(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Two steep laws in series, whatever drives them: the voltages of both and of the resistance are that of the source.
+#[test]
+fn steep_laws_in_series_find_their_current() {
+    let diode = |i: f64, v_t: f64| v_t * (i / 1e-14).ln_1p();
+    let v_t = SCALE * 300.15 / 300.0;
+    let varistor = |i: f64, v_1: f64, alpha: f64| v_1 * (i / 1e-3).powf(1.0 / alpha);
+    for (u, r) in [(30.0, 1.0), (15.0, 0.1), (200.0, 0.1), (200.0, 1.0), (30.0, 10.0)] {
+        let run = circuit(
+            r#"stop_time: "1 ms""#,
+            &format!(
+                r#""u": VoltageSource(v: {u}), "r": Resistor(r: {r}), "d": ExponentialDiode(g: 0.0), "z": Varistor(v_1: "10 V", r: "1e15 ohm")"#
+            ),
+            r#""u.p <-> r.p", "r.n <-> d.p", "d.n <-> z.p", "z.n <-> u.n <-> g.p", "z.i -> s.i""#,
+            r#""i""#,
+        );
+        let right = root(|i| diode(i, v_t) + varistor(i, 10.0, 30.0) + r * i - u, 0.0, u / r);
+        let found = run.last("s.i");
+        assert!((found / right - 1.0).abs() < 1e-9, "{found} A, not {right} A, at {u} V and {r} ohm");
+    }
+    // Varistors of different exponents, from zero on.
+    let run = circuit(
+        r#"stop_time: "20 ms", output: Every("0.1 ms")"#,
+        r#""u": AcVoltageSource(amplitude: Peak("400 V"), frequency: "50 Hz"), "r": Resistor(r: "0.5 ohm"), "d": ExponentialDiode(g: 0.0),
+           "a": Varistor(v_1: "95 V", alpha: 30.0, r: "1e15 ohm"), "b": Varistor(v_1: "12 V", alpha: 5.0, r: "1e15 ohm")"#,
+        r#""u.p <-> r.p", "r.n <-> d.p", "d.n <-> a.p", "a.n <-> b.p", "b.n <-> u.n <-> g.p", "a.i -> s.i""#,
+        r#""i""#,
+    );
+    for (t, found) in run.time.iter().zip(run.column("s.i")).filter(|(t, _)| (0.001..0.009).contains(*t)) {
+        let u = 400.0 * (2.0 * std::f64::consts::PI * 50.0 * t).sin();
+        let sum = |i: f64| diode(i, v_t) + varistor(i, 95.0, 30.0) + varistor(i, 12.0, 5.0) + 0.5 * i;
+        let right = root(|i| sum(i) - u, 0.0, u / 0.5);
+        assert!((found / right - 1.0).abs() < 1e-8, "{found} A, not {right} A, at {t} s");
+    }
+}
+
+/// A lamp without heat capacity: its filament takes what it radiates.
+#[test]
+fn a_filament_that_only_radiates_finds_its_temperature() {
+    for (u, r, alpha, area) in
+        [(12.0, 0.3, 0.0045, 2e-5), (230.0, 60.0, 0.0045, 1.5e-4), (55.0, 0.8, 0.0, 3.36e-4)]
+    {
+        let run = circuit(
+            r#"stop_time: "1 s""#,
+            &format!(
+                r#""u": VoltageSource(v: {u}), "r": Resistor(r: {r}, heat_port: true, alpha: {alpha}), "room": Ambient(t: "293.15 K"),
+                   "q": ThermalRadiation(area: {area}, emissivity: 1.0), "t": TemperatureSensor"#
+            ),
+            r#""u.p <-> r.p", "u.n <-> r.n <-> g.p", "r.h <-> q.a <-> t.h", "q.b <-> room.h", "t.t -> s.t""#,
+            r#""t""#,
+        );
+        let taken = |t: f64| u * u / (r * (1.0 + alpha * (t - 293.15)));
+        let radiated = |t: f64| 5.670_374_419e-8 * area * (t.powi(4) - 293.15_f64.powi(4));
+        let (found, right) = (run.last("s.t"), root(|t| radiated(t) - taken(t), 293.15, 1e5));
+        assert!((found / right - 1.0).abs() < 1e-9, "{found} K, not {right} K, at {u} V");
+    }
+}
+
 /// A capacitor that empties itself through a diode: `1 - exp(-v / s)` decays with `C s / I_s`.
 #[test]
 fn a_capacitor_empties_itself_through_a_diode_with_every_kind_of_method() {

@@ -115,7 +115,7 @@ impl Network {
         circuit.characteristics.len() + 2 * circuit.transformers.len()
     }
 
-    /// Newton's method; leaves voltages and what transformers give in `room.unknown`, and currents in `room.current`.
+    /// Finds voltages and what transformers give, and leaves them in `room.unknown`, and currents in `room.current`.
     fn search(
         &self,
         island: usize,
@@ -123,25 +123,102 @@ impl Network {
         w: &Work,
         room: &mut CharacteristicRoom,
     ) -> Result<(), NotFound> {
-        let circuit = &self.electrics.islands[island];
-        let n = self.unknowns(island);
-        room.way.clear();
-        room.unknown[..n].fill(0.0);
-        for (k, (_, number)) in circuit.characteristics.iter().enumerate() {
-            let characteristic = &self.electrics.characteristics[*number];
-            let kept = characteristic.guess.and_then(|cell| c.d.get(cell)).copied();
-            room.unknown[k] = kept.unwrap_or(characteristic.first_guess);
+        self.set_out(island, c, true, room);
+        let mut found = self.newton(island, c, w, room);
+        if matches!(found, Err(NotFound::NotFinite)) {
+            // What was right before may be out of the question after a jump.
+            self.set_out(island, c, false, room);
+            found = self.newton(island, c, w, room);
         }
+        for kept in [true, false] {
+            if !matches!(found, Err(NotFound::Stuck | NotFound::TooLong)) {
+                break;
+            }
+            self.set_out(island, c, kept, room);
+            let other = self.newton_by_steps(island, c, w, room);
+            if other.is_ok() {
+                found = other;
+            }
+        }
+        found
+    }
+
+    /// Puts the unknowns where a search begins: at the voltages that are kept, or at those of the laws.
+    fn set_out(&self, island: usize, c: &Context, kept: bool, room: &mut CharacteristicRoom) {
+        room.way.clear();
+        room.unknown[..self.unknowns(island)].fill(0.0);
+        for (k, (_, number)) in self.electrics.islands[island].characteristics.iter().enumerate() {
+            let characteristic = &self.electrics.characteristics[*number];
+            let guess = characteristic.guess.filter(|_| kept).and_then(|cell| c.d.get(cell)).copied();
+            room.unknown[k] = guess.unwrap_or(characteristic.first_guess);
+        }
+    }
+
+    /// Newton's method for equations whose residuals have very different slopes, as where two steep laws stand in series: there a valley
+    /// of small residuals is followed in small steps, if not for ever. What is to become smaller here is the step that is left, by the slopes at the
+    /// last point, in parts of the unknowns (the natural test of P. Deuflhard, Newton Methods for Nonlinear Problems, 3.3). Currents that have gone too far
+    /// along an exponential come back by a fixed voltage in a step, so there may be more of them.
+    fn newton_by_steps(
+        &self,
+        island: usize,
+        c: &Context,
+        w: &Work,
+        room: &mut CharacteristicRoom,
+    ) -> Result<(), NotFound> {
+        let n = self.unknowns(island);
+        room.trial[..n].copy_from_slice(&room.unknown[..n]);
+        if !self.evaluate(island, c, w, room).is_finite() {
+            return Err(NotFound::NotFinite);
+        }
+        let mut factor = 1.0_f64;
+        for _ in 0..10 * STEPS {
+            if room.noise <= ROUNDED {
+                return Ok(());
+            }
+            room.note(n);
+            self.jacobian(island, room);
+            if lu_factor(&mut room.jacobian[..n * n], &mut room.pivots[..n]).is_err() {
+                return Err(NotFound::Singular);
+            }
+            room.step[..n].copy_from_slice(&room.residual[..n]);
+            lu_solve(&room.jacobian[..n * n], &room.pivots[..n], &mut room.step[..n]);
+            let size = room.relative_step(n);
+            room.measure(n);
+            let length = room.length_left(n);
+            factor = (4.0 * factor).min(1.0);
+            loop {
+                room.go(n, factor);
+                let is_finite = self.evaluate(island, c, w, room).is_finite();
+                if is_finite && (size <= LAST || room.noise <= ROUNDED) {
+                    break;
+                }
+                if is_finite && room.length_left(n) <= (1.0 - 0.25 * factor) * length {
+                    break;
+                }
+                factor *= 0.5;
+                if factor < 1e-12 {
+                    return Err(NotFound::Stuck);
+                }
+            }
+            room.unknown[..n].copy_from_slice(&room.trial[..n]);
+            if size <= LAST {
+                return Ok(());
+            }
+        }
+        if room.noise <= NEARLY { Ok(()) } else { Err(NotFound::TooLong) }
+    }
+
+    /// Newton's method in which the residuals become smaller.
+    fn newton(
+        &self,
+        island: usize,
+        c: &Context,
+        w: &Work,
+        room: &mut CharacteristicRoom,
+    ) -> Result<(), NotFound> {
+        let n = self.unknowns(island);
         room.trial[..n].copy_from_slice(&room.unknown[..n]);
         let mut left = self.evaluate(island, c, w, room);
-        if !left.is_finite() {
-            // What was right before may be out of the question after a jump.
-            for (k, (_, number)) in circuit.characteristics.iter().enumerate() {
-                room.unknown[k] = self.electrics.characteristics[*number].first_guess;
-            }
-            room.trial[..n].copy_from_slice(&room.unknown[..n]);
-            left = self.evaluate(island, c, w, room);
-        }
         if !left.is_finite() {
             return Err(NotFound::NotFinite);
         }
@@ -340,6 +417,25 @@ impl CharacteristicRoom {
         for ((trial, at), step) in self.trial.iter_mut().zip(&self.unknown).zip(&self.step).take(n) {
             *trial = at - factor * step;
         }
+    }
+
+    /// Takes the sizes of the unknowns at both ends of a whole step for units.
+    fn measure(&mut self, n: usize) {
+        let largest = self.unknown[..n]
+            .iter()
+            .zip(&self.step)
+            .fold(0.0_f64, |most, (x, step)| most.max(x.abs()).max((x - step).abs()));
+        for ((unit, x), step) in self.units.iter_mut().zip(&self.unknown).zip(&self.step).take(n) {
+            *unit = x.abs().max((x - step).abs()).max(QUIET * largest).max(NOTHING);
+        }
+    }
+
+    /// The length of the step that the residuals at hand ask for by the slopes that are factorised, in these units.
+    fn length_left(&mut self, n: usize) -> f64 {
+        let left = &mut self.left_step[..n];
+        left.copy_from_slice(&self.residual[..n]);
+        lu_solve(&self.jacobian[..n * n], &self.pivots[..n], left);
+        left.iter().zip(&self.units).map(|(step, unit)| (step / unit).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Notes where the search is; the oldest notes go first.

@@ -50,6 +50,9 @@ pub(crate) struct CharacteristicRoom {
     /// The greatest part of its terms that is left of an equation at the voltages that are tried.
     pub noise: f64,
     pub step: Vec<f64>,
+    /// The step that is left at a trial, and what the unknowns are measured in.
+    pub left_step: Vec<f64>,
+    pub units: Vec<f64>,
     pub jacobian: Vec<f64>,
     /// Slopes of given values over unknowns, by rows.
     pub slopes: Vec<f64>,
@@ -95,6 +98,8 @@ impl CharacteristicRoom {
             terms: vector(),
             noise: f64::INFINITY,
             step: vector(),
+            left_step: vector(),
+            units: vector(),
             jacobian: square(),
             slopes: square(),
             pivots: vec![0; n],
