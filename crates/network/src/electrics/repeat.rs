@@ -70,9 +70,11 @@ impl Network {
             self.look_back_at_speeds(separate, d, room);
             let was = std::mem::take(&mut room.was);
             self.exchange(room);
-            room.d.clear();
-            room.d.extend_from_slice(d);
-            room.d[separate.times + 1] = f64::INFINITY;
+            for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+                room.d[seat.x.clone()].copy_from_slice(&d[seat.x.clone()]);
+                room.d[seat.d.clone()].copy_from_slice(&d[seat.d.clone()]);
+            }
+            (room.d[separate.times], room.d[separate.times + 1]) = (begin, f64::INFINITY);
             let done = self.advance(separate, &Context { t: begin, u: &was, ..*c }, w, room);
             self.exchange(room);
             room.was = was;

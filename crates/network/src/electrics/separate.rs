@@ -190,7 +190,7 @@ impl Network {
         self.separate.iter().map(time).fold(f64::INFINITY, f64::min)
     }
 
-    /// Integrates a circuit over the step at hand, which begins now, on a copy of the discrete states.
+    /// Integrates a circuit over the step at hand, which begins now, on the copy of the discrete states in `room`.
     pub(crate) fn over(
         &self,
         separate: &Separate,
@@ -199,8 +199,7 @@ impl Network {
         room: &mut Room,
         d: &[f64],
     ) -> Result<(), Faulty> {
-        copy(&mut room.d, d);
-        self.begin(separate, c.t, &mut room.d);
+        self.begin(separate, c.t, d, &mut room.d);
         self.advance(separate, c, w, room)
     }
 
@@ -230,12 +229,12 @@ impl Network {
         helds.for_each(|held| room.average[held.mean.clone()].fill(0.0));
     }
 
-    /// What was the end of the last step is the beginning of this one.
-    fn begin(&self, separate: &Separate, t: f64, d: &mut [f64]) {
+    /// What was the end of the last step is the beginning of this one. Only the states of a circuit change while it is integrated.
+    fn begin(&self, separate: &Separate, t: f64, from: &[f64], d: &mut [f64]) {
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             if let Some(held) = &seat.held {
-                d.copy_within(held.x_end.clone(), seat.x.start);
-                d.copy_within(held.d_end.clone(), seat.d.start);
+                d[seat.x.clone()].copy_from_slice(&from[held.x_end.clone()]);
+                d[seat.d.clone()].copy_from_slice(&from[held.d_end.clone()]);
             }
         }
         d[separate.times] = t;
@@ -369,15 +368,17 @@ impl Network {
     /// Expected speeds and inputs, `s` after the hit.
     fn expect(&self, separate: &Separate, s: f64, c: &Context, w: &mut Work, room: &mut Room) {
         self.lead_inputs(separate, s, c, room);
-        let step = room.step;
+        let (part, branches) = (s / room.step, room.mean.len());
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             for pin in seat.pins.clone() {
-                let yields = &room.yields[pin * room.mean.len()..];
-                let own = room.own.iter().map(|b| yields[*b] * (room.kick[*b] + s / step * room.given[*b]));
-                let own = if room.repeats { 0.0 } else { own.sum::<f64>() };
+                let mut speed = room.speed[pin] + s * room.acceleration[pin];
+                if !room.repeats {
+                    let yields = &room.yields[pin * branches..(pin + 1) * branches];
+                    let own = room.own.iter().map(|b| yields[*b] * (room.kick[*b] + part * room.given[*b]));
+                    speed += own.sum::<f64>();
+                }
                 let bend = room.bend[pin] + if room.tries { room.doubt[pin] } else { 0.0 };
-                let bent = bend * (s / step).powi(2);
-                w.pin_speed[pin] = room.speed[pin] + s * room.acceleration[pin] + own + bent;
+                w.pin_speed[pin] = speed + bend * (part * part);
             }
         }
     }
@@ -452,7 +453,11 @@ impl Network {
         }
         let mut i = 0;
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
-            let Some(component) = seat.component() else { continue };
+            let Some(component) =
+                seat.component().filter(|_| !(seat.x.is_empty() && seat.branches.is_empty()))
+            else {
+                continue;
+            };
             let law = self.flowing_law(&here, seat, w);
             if !seat.x.is_empty() {
                 component.derivatives(&law, &mut room.slope[i..i + seat.x.len()]);

@@ -1,7 +1,7 @@
 //! The schedule as the hot loop wants it: flat, short, without strings.
 
 use std::cell::LazyCell;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -339,33 +339,62 @@ fn source(unit: &Unit, copies: &[(u32, u32)]) -> Source {
 
 /// Blocks that want to know that a step was accepted, for whom that may be news.
 fn accepting(schedule: &Schedule) -> Vec<usize> {
-    let graph = LazyCell::new(|| Graph::new(schedule));
-    let changes = LazyCell::new(|| -> HashMap<(u32, u32), When> {
-        schedule.steps.iter().map(|step| ((step.block, step.group), step.when)).collect()
-    });
-    let is_hit_with = |rate: u32, block: &Instance| {
-        let rates = &schedule.clock.rates;
-        block.rate.is_some_and(|own| {
-            let (own, other) = (&rates[own], &rates[rate as usize]);
-            other.period % own.period == 0 && other.offset.abs_diff(own.offset) % own.period == 0
-        })
-    };
-    let may_change_between = |block: &Instance, port: usize| {
-        let (from, len) = block.gather[port];
-        let mut cells = from as usize..(from + len) as usize;
-        cells.any(|cell| {
-            let writer = graph.writer(cell).map(|(block, group)| (block as u32, group as u32));
-            writer.and_then(|writer| changes.get(&writer)).is_some_and(|when| match when {
-                When::Constant => false,
-                When::Major | When::Continuous => true,
-                When::Sampled(rate) => !is_hit_with(*rate, block),
-            })
-        })
-    };
+    let between = LazyCell::new(|| Between::new(schedule));
     let wants = |b: &Instance| {
-        b.interface.accepts || b.interface.notes.iter().any(|&port| may_change_between(b, port))
+        b.interface.accepts
+            || b.interface.notes.iter().any(|&port| between.may_change(b, port, &mut HashSet::new()))
     };
     schedule.blocks.iter().enumerate().filter(|(_, b)| wants(b)).map(|(i, _)| i).collect()
+}
+
+/// What may change between the hits of a block.
+struct Between<'a> {
+    schedule: &'a Schedule,
+    graph: Graph<'a>,
+    /// When the output groups of all blocks are evaluated.
+    when: HashMap<(usize, usize), When>,
+}
+
+impl<'a> Between<'a> {
+    fn new(schedule: &'a Schedule) -> Self {
+        let step = |step: &Step| ((step.block as usize, step.group as usize), step.when);
+        Self { schedule, graph: Graph::new(schedule), when: schedule.steps.iter().map(step).collect() }
+    }
+
+    /// Whether a signal does that comes in at a port of a block, `own` or one before it. Those that have been `seen` add nothing.
+    fn may_change(&self, own: &Instance, port: usize, seen: &mut HashSet<usize>) -> bool {
+        self.may_cells_change(own, own.gather[port], seen)
+    }
+
+    fn may_cells_change(&self, own: &Instance, (from, len): (u32, u32), seen: &mut HashSet<usize>) -> bool {
+        let writers: BTreeSet<(usize, usize)> =
+            (from as usize..(from + len) as usize).filter_map(|cell| self.graph.writer(cell)).collect();
+        writers.into_iter().any(|(block, group)| {
+            let before = &self.schedule.blocks[block];
+            match self.when.get(&(block, group)) {
+                None | Some(When::Constant) => false,
+                Some(When::Continuous) => true,
+                Some(When::Sampled(rate)) => !self.are_together(*rate as usize, own),
+                // It changes when something before it does, if not by itself.
+                Some(When::Major) => {
+                    let by_itself = before.interface.time_events || !before.interface.states.is_empty();
+                    by_itself
+                        || before.rate.is_some_and(|rate| !self.are_together(rate, own))
+                        || seen.insert(block)
+                            && before.gather.iter().any(|cells| self.may_cells_change(own, *cells, seen))
+                }
+            }
+        })
+    }
+
+    /// Whether the hits of a rate are hits of a block.
+    fn are_together(&self, rate: usize, block: &Instance) -> bool {
+        let rates = &self.schedule.clock.rates;
+        block.rate.is_some_and(|own| {
+            let (own, other) = (&rates[own], &rates[rate]);
+            other.period % own.period == 0 && other.offset.abs_diff(own.offset) % own.period == 0
+        })
+    }
 }
 
 fn updated(schedule: &Schedule) -> Vec<Updated> {
