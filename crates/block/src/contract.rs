@@ -108,6 +108,10 @@ pub trait Block: Any + Debug + Send + Sync {
         f64::INFINITY
     }
 
+    /// Notes that its parameters change now: what it has worked out beyond this instant is to be worked out anew, by an update that it
+    /// wants at once. Called before they do, and of the block with the new ones. Only when the interface says `subdivides`.
+    fn interrupt(&self, _c: &Context, _d: &mut [f64]) {}
+
     /// Notes the relative tolerance `rtol` of the run among the discrete states, once before it; a method of fixed step has none. Only
     /// when the interface says `subdivides`.
     fn tolerate(&self, _rtol: f64, _d: &mut [f64]) {}

@@ -163,6 +163,11 @@ impl Block for Network {
         self.next_part(c)
     }
 
+    fn interrupt(&self, c: &Context, d: &mut [f64]) {
+        self.note_inputs(c, d);
+        self.separate.iter().for_each(|separate| d[separate.cells().interrupted] = 1.0);
+    }
+
     fn tolerate(&self, rtol: f64, d: &mut [f64]) {
         self.separate.iter().for_each(|separate| d[separate.cells().rtol] = rtol);
     }

@@ -32,7 +32,13 @@ impl Simulation {
             *self = next;
             return Ok(Vec::new());
         }
-        let noted = self.diagram.note();
+        // Only a network that works circuits out beyond the present has to know.
+        let (old, new) = (Arc::clone(&self.schedule), Arc::clone(&next.schedule));
+        let is_changed = |block: usize| {
+            let [old, new] = [&old, &new].map(|schedule| format!("{:?}", schedule.blocks[block].block));
+            old != new
+        };
+        let noted = self.diagram.note(is_changed).and_then(|()| self.diagram.update_between(self.t));
         self.held(noted)?;
         let begun = Self::given(Arc::clone(&self.schedule))?;
         let without_effect = starting_otherwise(&begun, &next);
@@ -46,6 +52,8 @@ impl Simulation {
         }
         next.diagram.loops.anchors.clone_from(&self.diagram.loops.anchors);
         next.diagram.place(next.t, &next.x);
+        let noted = next.diagram.note(is_changed);
+        next.held(noted)?;
         next.started = true;
         next.hits.next.clone_from(&self.hits.next);
         next.hits.due.clone_from(&self.hits.due);

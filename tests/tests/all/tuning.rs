@@ -147,10 +147,10 @@ fn a_sampled_controller_goes_on_as_with_a_gain_that_is_a_signal() {
     }
 }
 
-/// A circuit that is integrated by itself is given a parameter that changes between two of its hits there and then, not at the next hit.
+/// A circuit that is integrated by itself takes parameters that change between two of its hits there and then, those of its inputs and its own.
 #[test]
 fn a_separate_circuit_takes_a_parameter_within_its_coupling_step() {
-    let text = |f: &str, integration: &str, solver: &str| {
+    let text = |f: &str, r_s: &str, integration: &str, solver: &str| {
         format!(
             r#"Diagram(
     simulation: (stop_time: "60 ms", solver: {solver}, output: Every("2 ms")),
@@ -159,7 +159,7 @@ fn a_separate_circuit_takes_a_parameter_within_its_coupling_step() {
         "inverter": SwitchedInverter(vdc: "400 V", switching_frequency: "2 kHz", integration: {integration}),
         "machine": AsynchronousMachine(
             rated_power: "15 kW", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 1,
-            r_s: "0.25 ohm", x_ls: "0.9 ohm", r_r: "0.14 ohm", x_lr: "0.41 ohm", x_m: "17 ohm",
+            r_s: {r_s}, x_ls: "0.9 ohm", r_r: "0.14 ohm", x_lr: "0.41 ohm", x_m: "17 ohm",
         ),
         "rotor": Inertia(j: "0.05 kg*m^2"), "frame": RotationalReference, "encoder": MotionSensor, "s": Scope(inputs: ["w"]),
     }},
@@ -170,14 +170,18 @@ fn a_separate_circuit_takes_a_parameter_within_its_coupling_step() {
 )"#
         )
     };
-    let separate = |f: &str| text(f, "Separate(periods: 1)", r#"Ode4(step: "0.1 ms")"#);
-    let (rows, t) =
-        tuned(&separate(r#"Constant(value: "40 Hz")"#), &separate(r#"Constant(value: "50 Hz")"#), 0.0203);
-    assert!((t - 0.0203).abs() < 1e-9, "{t}");
-    let step = format!(r#"Step(before: "40 Hz", after: "50 Hz", time: "{t} s")"#);
-    let exact = untouched(&text(&step, "Together", "Ode45(rtol: 1e-9)"));
-    let [found, exact] = [&rows, &exact].map(|rows| rows.last().expect("rows").1[0]);
-    assert!((found - exact).abs() < 1e-4 * exact, "{found} and {exact}");
+    let fixed = r#"Ode4(step: "0.1 ms")"#;
+    let separate = |f: &str, r_s: &str| text(f, r_s, "Separate(periods: 1)", fixed);
+    let [slow, fast] = [40, 50].map(|f| format!(r#"Constant(value: "{f} Hz")"#));
+    for (f, r_s) in [(&fast, "0.25"), (&slow, "1.5")] {
+        let (rows, t) = tuned(&separate(&slow, "0.25"), &separate(f, r_s), 0.0203);
+        assert!((t - 0.0203).abs() < 1e-9, "{t}");
+        let together = |f: &str, r_s: &str| text(f, r_s, "Together", r#"Ode4(step: "0.1 us")"#);
+        let (exact, same) = tuned(&together(&slow, "0.25"), &together(f, r_s), t);
+        assert!((t - same).abs() < 1e-9, "{same}");
+        let [found, exact] = [&rows, &exact].map(|rows| rows.last().expect("rows").1[0]);
+        assert!((found - exact).abs() < 1e-4 * exact, "{f}, {r_s} ohm: {found} and {exact}");
+    }
 }
 
 #[test]

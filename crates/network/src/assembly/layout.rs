@@ -69,8 +69,22 @@ impl Network {
         let mut separate = Separate::of(&electrics);
         for island in &mut separate {
             for name in [
-                "begin", "end", "parts", "left", "until", "rtol", "need", "least", "lasting", "most", "span",
-                "noted", "since", "cubes", "cut",
+                "begin",
+                "end",
+                "parts",
+                "left",
+                "until",
+                "rtol",
+                "need",
+                "least",
+                "lasting",
+                "most",
+                "span",
+                "noted",
+                "since",
+                "cubes",
+                "cut",
+                "interrupted",
             ] {
                 let start = interface.discrete.len();
                 interface = interface.discrete(format!("{}.{name}", members[island.members[0]].path), 0.0);

@@ -1,6 +1,6 @@
 //! What is wrong with a circuit, in words.
 
-use blocksim_block::physical::Domain;
+use blocksim_block::physical::{Domain, ValveKind};
 
 use petgraph::unionfind::UnionFind;
 
@@ -16,6 +16,7 @@ use crate::problem::NetworkProblem;
 pub(super) fn faults(m: &Members, electrics: &Electrics, island: &Island) -> Vec<NetworkProblem> {
     let mut problems = conflicts(electrics, island);
     problems.extend(heats(m, electrics, island));
+    problems.extend(valve_of_fast_circuit(m, electrics, island));
     if !problems.is_empty() {
         return problems;
     }
@@ -30,6 +31,19 @@ pub(super) fn faults(m: &Members, electrics: &Electrics, island: &Island) -> Vec
         }
         Err(Unsolvable::Loop(_) | Unsolvable::Slope(..)) | Ok(_) => too_many(island),
     }
+}
+
+/// A valve that conducts and blocks by itself in a circuit that is integrated apart: its instants are events of the solver alone.
+fn valve_of_fast_circuit(m: &Members, electrics: &Electrics, island: &Island) -> Option<NetworkProblem> {
+    let fast = island.members.iter().find(|member| m.list[**member].part.separate.is_some())?;
+    let mut valves = island.valves.iter().map(|valve| &electrics.valves[*valve]);
+    let valve = valves.find(|valve| valve.kind != ValveKind::Switch)?;
+    let problem = NetworkProblem::new(
+        "valve_of_fast_circuit",
+        "a part that conducts and blocks by its own current belongs to a circuit that is integrated apart, from edge to edge of its inverter",
+        "let the solver integrate it (`integration: Together` of the inverter), or let a breaker open at once (`opens: AtOnce`)",
+    );
+    Some(problem.with(valve.member, "has such a valve").with(*fast, "asks for the integration apart"))
 }
 
 /// Voltages that are prescribed twice. Loops that a capacitance closes are none, unless a variable transformer belongs to

@@ -126,13 +126,13 @@ impl Network {
         }
     }
 
-    /// Whether an input of a circuit jumps now, within a step of it.
+    /// Whether an input of a circuit jumps now, or a parameter changes, within a step of it.
     pub(crate) fn is_cut(&self, separate: &Separate, c: &Context, d: &[f64]) -> bool {
         let cells = separate.cells();
         // At the start, and just behind a hit, nothing has been noted.
         let is_noted = (c.t - d[cells.noted]).abs() <= SAME * separate.step;
         let is_within = is_noted && d[cells.until] > c.t && !separate.is_due(c.t, d);
-        let mut any = false;
+        let mut any = is_within && d[cells.interrupted] > 0.0;
         if is_within {
             self.each_input(separate, |input, cells| any |= cells.has_jumped(c.u[input], d));
         }
@@ -195,6 +195,7 @@ impl Network {
             (d[cells.start], d[cells.left], d[cells.integral]) = (c.u[input], c.u[input], 0.0);
         });
         (d[cells.since], d[cubes]) = (c.t, 0.0);
+        d[cells.interrupted] = 0.0;
         // A jump at this very time is none of the step that begins now.
         d[cells.noted] = c.t - self.coupling_step();
         if !is_first && last > 0.0 {

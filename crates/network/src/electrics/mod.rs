@@ -340,6 +340,8 @@ pub(crate) struct Cells {
     pub cubes: usize,
     /// [`CUT`](repeat::CUT) where the step at hand is what is left of one in which an input has jumped; less by one with each step.
     pub cut: usize,
+    /// 1 where the step at hand must end because parameters change.
+    pub interrupted: usize,
 }
 
 impl Separate {
@@ -349,9 +351,38 @@ impl Separate {
     }
 
     pub(crate) fn cells(&self) -> Cells {
-        let [parts, left, until, rtol, need, least, lasting, most, span, noted, since, cubes, cut] =
-            [2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14].map(|k| self.times + k);
-        Cells { parts, left, until, rtol, need, least, lasting, most, span, noted, since, cubes, cut }
+        let [
+            parts,
+            left,
+            until,
+            rtol,
+            need,
+            least,
+            lasting,
+            most,
+            span,
+            noted,
+            since,
+            cubes,
+            cut,
+            interrupted,
+        ] = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15].map(|k| self.times + k);
+        Cells {
+            parts,
+            left,
+            until,
+            rtol,
+            need,
+            least,
+            lasting,
+            most,
+            span,
+            noted,
+            since,
+            cubes,
+            cut,
+            interrupted,
+        }
     }
 
     /// The circuits that ask for it; where they lie is not known yet.

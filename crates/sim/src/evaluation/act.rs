@@ -171,13 +171,17 @@ impl Diagram {
         Ok(changed)
     }
 
-    /// Has the blocks note their inputs that want to know of changes, before something changes that never does by itself.
-    pub fn note(&mut self) -> Result<(), Failed> {
+    /// Has the blocks note their inputs that want to know of changes, before something changes that never does by itself, and interrupts
+    /// those for which this holds.
+    pub fn note(&mut self, is_changed: impl Fn(usize) -> bool) -> Result<(), Failed> {
         for i in 0..self.plan.noting.len() {
-            self.change(self.plan.noting[i], |block, c, _, d| {
-                block.accept(c, d);
+            let index = self.plan.noting[i];
+            self.change(index, |block, c, _, d| match is_changed(index) {
+                true => block.interrupt(c, d),
+                false => _ = block.accept(c, d),
             })?;
         }
+        self.forget();
         Ok(())
     }
 
