@@ -106,7 +106,7 @@ impl Conditional {
     }
 
     fn layout(&self, c: &Context, states: usize, all: usize) -> Layout {
-        let outputs = c.outputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
+        let outputs = Self::count_outputs(c);
         let held = if self.holds.is_some() { 0 } else { outputs };
         let marks = if self.resets { states + 1 } else { 0 }
             + usize::from(self.triggered)
@@ -157,6 +157,11 @@ impl Conditional {
             d[behind] += c.t - d[stopped];
             d[stopped] = RUNNING;
         }
+    }
+
+    /// Number of values of all outputs.
+    fn count_outputs(c: &Context) -> usize {
+        c.outputs.iter().map(|port| port.1 as usize).max().unwrap_or(0)
     }
 
     fn gate(c: &Context) -> GateState {
@@ -232,7 +237,7 @@ impl Block for Conditional {
         }
         if self.holds.is_none() && self.shows_states.contains(&true) {
             let (own, rest) = d.split_at_mut(layout.own);
-            let outputs = c.outputs.iter().map(|port| port.1 as usize).max().unwrap_or(0);
+            let outputs = Self::count_outputs(c);
             let (mut w, now) = (self.inner.scratch(), Context { x, ..self.inside(c, own, c.t) });
             for (group, _) in self.shows_states.iter().enumerate().filter(|(_, shows)| **shows) {
                 self.inner.outputs(group, &now, &mut w, &mut rest[..outputs]);
@@ -302,12 +307,23 @@ impl Block for Conditional {
         let gate = Self::gate(c);
         let mut jumped = false;
         if self.resets && gate.reset >= 0.0 && d[layout.reset] != gate.reset {
-            d[layout.reset] = gate.reset;
+            // What the block inside holds it shows until it runs again, and is reset as late as that.
+            let shown = match self.holds {
+                Some(holds) if !gate.runs(c.t) => holds..holds + Self::count_outputs(c),
+                _ => {
+                    d[layout.reset] = gate.reset;
+                    0..0
+                }
+            };
             let (own, rest) = d.split_at_mut(layout.own);
-            let initial = &rest[layout.initial - layout.own..][..x.len() + layout.own];
-            jumped = x != &initial[..x.len()] || own != &initial[x.len()..];
-            x.copy_from_slice(&initial[..x.len()]);
-            own.copy_from_slice(&initial[x.len()..]);
+            let (of_states, of_own) =
+                rest[layout.initial - layout.own..][..x.len() + layout.own].split_at(x.len());
+            jumped = *x != *of_states;
+            x.copy_from_slice(of_states);
+            for cells in [0..shown.start, shown.end..own.len()] {
+                jumped |= own[cells.clone()] != of_own[cells.clone()];
+                own[cells.clone()].copy_from_slice(&of_own[cells]);
+            }
             if self.own_time {
                 // Its time begins anew, and stands if it does not run.
                 d[layout.behind] = c.t;

@@ -87,6 +87,33 @@ fn a_merge_gives_its_initial_value_until_a_subsystem_has_run() {
     assert!(failure.contains("none of `twice` and `other` has run yet"), "{failure}");
 }
 
+/// A merge inside of a subsystem holds its output while that is disabled, and begins anew when it is enabled again.
+#[test]
+fn a_merge_inside_of_a_subsystem_is_reset_when_that_runs_again() {
+    let inside = r#"Diagram(inputs: {"u": ()}, outputs: {"y": "merge.y"},
+        blocks: { "small": Compare(operator: Less, constant: 2), "never": Compare(operator: Less, constant: -1),
+            "twice": Subsystem(file: "gain.ron", enable: Held), "other": Subsystem(file: "gain.ron", enable: Held), "merge": Merge(initial: 0.25) },
+        connections: ["in.u -> small.u, twice.u, never.u, other.u", "small.y -> twice.enable", "never.y -> other.enable",
+            "twice.y -> merge.u1", "other.y -> merge.u2"])"#;
+    for (enable, again) in [("Held", 2.2), ("Reset", 0.25)] {
+        let model = format!(
+            r#"Diagram(
+                simulation: (stop_time: "4 s", solver: Ode45(rtol: 1e-9), output: Every("0.1 s")),
+                blocks: {{ "time": Clock, "choice": IfElse(conditions: ["t < 1.1 s", "t < 3 s"]), "any": Logic(operator: Or),
+                    "part": Subsystem(file: "part.ron", enable: {enable}), "show": Scope(inputs: ["y"]) }},
+                connections: ["time.y -> choice.t, part.u", "choice.y1 -> any.u1", "choice.else -> any.u2", "any.y -> part.enable",
+                    "part.y -> show.y"],
+            )"#
+        );
+        let files = [("model.ron", &*model), ("part.ron", inside), ("gain.ron", GAIN)];
+        for (t, y) in run(&files).column("show.y") {
+            let exact = |t: f64| [2.0 * t, 2.2, again][usize::from(t >= 1.1) + usize::from(t >= 3.0)];
+            let near = [exact(t), exact(t - 1e-9)];
+            assert!(near.iter().any(|x| (x - y).abs() < 1e-8), "{enable}: {y} at {t} s, not {near:?}");
+        }
+    }
+}
+
 #[test]
 fn subsystems_that_run_at_the_same_time_cannot_be_merged() {
     let blocks = CHOSEN.replace("\"t < 3 s\"", "\"t > 5 s\"");
