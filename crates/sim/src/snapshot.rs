@@ -9,7 +9,7 @@ use crate::events::guards::Guards;
 use crate::events::pace::Pace;
 use crate::ignored_states::Sizes;
 use crate::rows::refine::Refine;
-use crate::stepping::halves::{Halves, OfState};
+use crate::stepping::halves::{self, Halves};
 use crate::stepping::methods;
 use crate::stepping::past::Past;
 use crate::{Counts, SimError, Simulation};
@@ -38,7 +38,7 @@ pub struct Snapshot {
     refine: Refine,
     sizes: Sizes,
     stepper: Option<Memory>,
-    halves: Option<(u64, Vec<OfState>)>,
+    halves: Option<halves::Memory>,
     unasked: u32,
     interrupted: bool,
 }

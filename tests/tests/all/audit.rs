@@ -115,7 +115,7 @@ fn what_grows_with_a_fixed_step_is_told_and_nothing_else() {
             let run = run_text(&format!(
                 r#"Diagram(
                     simulation: (stop_time: "1 s", solver: {method}(step: {step})),
-                    blocks: {{ "wave": Sine(frequency: "1 Hz"), "lag": TransferFunction(num: [1.0], den: [0.001, 1.0]), "show": Scope }},
+                    blocks: {{ "wave": Sine(frequency: "0.1 Hz"), "lag": TransferFunction(num: [1.0], den: [0.001, 1.0]), "show": Scope }},
                     connections: ["wave.y -> lag.u", "lag.y -> show.u"],
                 )"#
             ));

@@ -12,8 +12,13 @@ use crate::stepping::methods::fixed;
 use crate::{Simulation, diagnose};
 
 /// Steps before the first look, and which part of the steps so far lies between two.
-const FIRST: u64 = 16;
+const FIRST: u64 = 4;
 const SHARE: u64 = 8;
+/// Where one has found something, so many of the steps that follow are looked at as well.
+const MORE: u32 = 4;
+/// What a step may be shorter than the longest one of late, which is forgotten so slowly, to be looked at.
+const SHORTER: f64 = 0.5;
+const FORGETS: f64 = 0.9;
 /// Error of a step, as a part of the greatest size of a state, that is told.
 const TOLD: f64 = 1e-3;
 /// So many looks must have found it: an event within a step or the begin of a transient is no more than one.
@@ -26,17 +31,29 @@ pub(crate) struct Halves {
     method: FixedMethod,
     step: f64,
     stepper: FixedStep,
-    /// Number of steps at which the next look is due.
+    /// Number of steps at which the next look is due, and how many of the next ones are looked at before.
     next: u64,
+    more: u32,
+    /// Length of the longest step of late, s: events and hits may cut all of them.
+    longest: f64,
     /// States after a step, and after two of half its size.
     whole: Vec<f64>,
     halved: Vec<f64>,
     of_states: Vec<OfState>,
 }
 
+/// What is remembered between two calls.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Memory {
+    next: u64,
+    more: u32,
+    longest: f64,
+    of_states: Vec<OfState>,
+}
+
 /// What is known of a state.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct OfState {
+struct OfState {
     /// The greatest value so far, and the greatest error of a step.
     size: f64,
     error: f64,
@@ -54,6 +71,8 @@ impl Halves {
             step,
             stepper: fixed(method, states, step),
             next: FIRST,
+            more: 0,
+            longest: 0.0,
             whole: vec![0.0; states],
             halved: vec![0.0; states],
             of_states: vec![OfState::default(); states],
@@ -61,13 +80,13 @@ impl Halves {
     }
 
     /// What is remembered of the run.
-    pub(crate) fn memory(&self) -> (u64, Vec<OfState>) {
-        (self.next, self.of_states.clone())
+    pub(crate) fn memory(&self) -> Memory {
+        Memory { next: self.next, more: self.more, longest: self.longest, of_states: self.of_states.clone() }
     }
 
-    pub(crate) fn recall(&mut self, (next, of_states): &(u64, Vec<OfState>)) {
-        self.next = *next;
-        self.of_states.clone_from(of_states);
+    pub(crate) fn recall(&mut self, memory: &Memory) {
+        (self.next, self.more, self.longest) = (memory.next, memory.more, memory.longest);
+        self.of_states.clone_from(&memory.of_states);
     }
 
     /// Compares the step from (`t`, `x`) to `end` with its halves. Where one of them cannot be made, there is nothing to be seen.
@@ -83,15 +102,18 @@ impl Halves {
             return;
         }
         let largest = x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let mut is_news = false;
         for (((state, x), whole), halved) in self.of_states.iter_mut().zip(x).zip(whole).zip(halved) {
             let off = (*whole - *halved).abs();
             state.size = state.size.max(x.abs());
             state.error = state.error.max(off);
             if off > TOLD * state.size.max(NOISE * largest) {
+                is_news |= state.found == 0;
                 state.found += 1;
                 state.since = if state.found == 1 { t } else { state.since };
             }
         }
+        self.more = if is_news { MORE } else { self.more.saturating_sub(1) };
     }
 
     /// The state that steps are too long for, and by how much of its size one is off.
@@ -109,10 +131,11 @@ impl Simulation {
     pub(crate) fn look_at_halves(&mut self, end: f64) {
         let is_due = self.steps_to_look() == 0;
         let steps = self.grid.as_ref().map_or(0, |grid| grid.next());
+        let Some(halves) = &mut self.halves else { return };
+        let length = (end - self.t).min(halves.step);
+        halves.longest = length.max(FORGETS * halves.longest);
         // What is left up to an event says little.
-        if let Some(halves) =
-            self.halves.as_mut().filter(|halves| is_due && end - self.t >= 0.5 * halves.step)
-        {
+        if is_due && length >= SHORTER * halves.longest {
             halves.next = steps + (steps / SHARE).max(FIRST);
             self.compare_with_halves(end);
         }
@@ -121,12 +144,18 @@ impl Simulation {
     /// How many steps are to be made before the next look.
     pub(crate) fn steps_to_look(&self) -> u64 {
         let steps = self.grid.as_ref().map_or(0, |grid| grid.next());
-        self.halves.as_ref().map_or(u64::MAX, |halves| halves.next.saturating_sub(steps))
+        let due = |halves: &Halves| if halves.more > 0 { 0 } else { halves.next.saturating_sub(steps) };
+        self.halves.as_ref().map_or(u64::MAX, due)
     }
 
     fn compare_with_halves(&mut self, end: f64) {
         let Some(halves) = &mut self.halves else { return };
         halves.look(&mut self.diagram, self.t, &self.x, end.min(self.t + halves.step));
+        self.forget_look();
+    }
+
+    /// Puts the signals back to the present states.
+    fn forget_look(&mut self) {
         self.diagram.failure = None;
         self.diagram.forget();
         // What fails here fails in the step itself, which says why.
@@ -135,11 +164,16 @@ impl Simulation {
 
     /// A warning where fixed steps are too long for a state.
     pub(crate) fn too_long_for(&mut self) -> Option<Problem> {
-        let known = self.halves.as_ref()?;
-        if known.of_states.iter().any(|state| state.found >= OFTEN) {
-            // What grows has grown since.
-            self.compare_with_halves(self.t + known.step);
+        // What grows has grown since the last look, or has begun to.
+        let (mut t, mut x) = (self.t, self.x.clone());
+        for _ in 0..OFTEN {
+            let halves = self.halves.as_mut()?;
+            let end = t + if halves.longest > 0.0 { halves.longest } else { halves.step };
+            halves.look(&mut self.diagram, t, &x, end);
+            x.clone_from(&halves.whole);
+            t = end;
         }
+        self.forget_look();
         let halves = self.halves.as_ref()?;
         let (state, share) = halves.worst()?;
         let name = diagnose::state_names(&self.schedule).swap_remove(state);
