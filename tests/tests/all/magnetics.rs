@@ -117,6 +117,60 @@ fn the_inrush_of_a_transformer_dies_away() {
     }
 }
 
+/// A choke before the transformer, which saturates as well: both have one current, though each integrates its own linkage. It is found here from the
+/// sum of the linkages.
+#[test]
+fn saturating_coils_in_series_have_one_current() {
+    let curves = [[0.5, 1e-3, 1.0], [5.0, 5e-3, 0.1]];
+    let linkage = |i: f64| {
+        curves.iter().map(|[l0, l_s, i_s]| l_s * i + (l0 - l_s) * i_s * (i / i_s).tanh()).sum::<f64>()
+    };
+    let of_sum = |psi: f64| {
+        let (mut low, mut high) = (psi.min(0.0) / 6e-3, psi.max(0.0) / 6e-3);
+        for _ in 0..90 {
+            let middle = 0.5 * (low + high);
+            if linkage(middle) < psi { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    };
+    let (h, mut psi, mut exact) = (2e-6, 0.0, vec![0.0]);
+    let slope = |t: f64, psi: f64| 325.0 * (2.0 * std::f64::consts::PI * 50.0 * t).sin() - 0.5 * of_sum(psi);
+    for step in 0..50_000 {
+        let t = f64::from(step) * h;
+        let k1 = slope(t, psi);
+        let k2 = slope(t + 0.5 * h, psi + 0.5 * h * k1);
+        let k3 = slope(t + 0.5 * h, psi + 0.5 * h * k2);
+        psi += h / 6.0 * (k1 + 2.0 * (k2 + k3) + slope(t + h, psi + h * k3));
+        if (step + 1) % 500 == 0 {
+            exact.push(of_sum(psi));
+        }
+    }
+    for (solver, allowed) in
+        [("Auto", 1e-4), ("Auto(rtol: 1e-4)", 2e-2), ("Ode15s", 1e-3), ("Radau5", 1e-4), ("Ode23t", 1e-3)]
+    {
+        let run = run_text(&format!(
+            r#"Diagram(
+    simulation: (stop_time: "0.1 s", solver: {solver}, output: Every("1 ms")),
+    blocks: {{ "u": AcVoltageSource(amplitude: Peak("325 V"), frequency: "50 Hz"), "r": Resistor(r: "0.5 ohm"),
+        "choke": SaturatingInductor(l0: "0.5 H", l_s: "1 mH", i_s: "1 A"),
+        "coil": SaturatingInductor(l0: "5 H", l_s: "5 mH", i_s: "0.1 A"), "g": ElectricalReference, "s": Scope(inputs: ["a", "b"]) }},
+    connections: ["u.p <-> r.p", "r.n <-> choke.p", "choke.n <-> coil.p", "coil.n <-> u.n <-> g.p", "choke.i -> s.a", "coil.i -> s.b"],
+)"#
+        ));
+        let size = exact.iter().fold(0.0_f64, |most, i| most.max(i.abs()));
+        for (t, row) in run.time.iter().zip(0..) {
+            let right = exact[(t * 1e3).round() as usize];
+            for name in ["s.a", "s.b"] {
+                let found = run.column(name)[row];
+                assert!(
+                    (found - right).abs() < allowed * size,
+                    "{solver}: {name} is {found} A at {t} s, not {right} A"
+                );
+            }
+        }
+    }
+}
+
 /// Two windings with leakage: without load the voltages have the ratio of the turns, less the leakage.
 #[test]
 fn two_windings_on_one_core_are_a_transformer() {

@@ -60,6 +60,8 @@ pub struct Part {
     pub travel: [Option<f64>; 2],
     /// Has [`Component::jump`](super::Component::jump).
     pub jumps: bool,
+    /// Currents of its windings follow from its states by a curve.
+    pub curved: bool,
     /// Has [`Component::next_event`](super::Component::next_event).
     pub time_events: bool,
     /// Has [`Component::linearize`](super::Component::linearize).
@@ -292,6 +294,13 @@ impl Part {
     /// Where the joint, which has one freedom, ends; a start that nobody gives is checked against it.
     pub fn travel(mut self, lower: Option<f64>, upper: Option<f64>) -> Self {
         self.travel = [lower, upper];
+        self
+    }
+
+    /// Currents of its windings follow from its states by a curve: those of windings in series, whose states are integrated each for itself,
+    /// then differ by the errors of the method, and the network brings them together again.
+    pub fn curved(mut self) -> Self {
+        self.curved = true;
         self
     }
 

@@ -71,6 +71,7 @@ impl Component for SaturatingInductor {
             .pins()
             .state_in("psi", self.linkage(self.i0), "Wb")
             .element(Element::Winding { p: Pin::Port(0), n: Pin::Port(1), from_state: true })
+            .curved()
             .measures("i", "A", Needs::State, "current from p to n")
             .measures("psi", "Wb", Needs::State, "flux linkage")
     }

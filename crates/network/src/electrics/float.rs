@@ -8,6 +8,10 @@ use crate::network::Network;
 use crate::work::Work;
 use crate::work::circuits::FloatRoom;
 
+/// The rate at which currents that must be one come together again where they have drifted apart, 1/s: quickly for the times of power
+/// electronics, and slowly for steps (J. Baumgarte, Stabilization of constraints and integrals of motion in dynamical systems, 1972).
+const TOGETHER: f64 = 5e3;
+
 impl Network {
     /// Adds the potentials of floating parts to the voltages of an island.
     pub(crate) fn float(&self, island: usize, c: &Context, w: &mut Work) {
@@ -99,6 +103,13 @@ impl Network {
             };
             for (phi, driven) in room.phi.iter_mut().zip(&floating.driven) {
                 *phi -= driven.iter().map(slope).sum::<f64>();
+            }
+            let is_curved = |crossing: &Crossing| self.seats[crossing.member].member.part.curved;
+            if floating.crossing.iter().any(is_curved) {
+                let free = floating.leaving.iter().zip(&floating.cut).zip(&mut room.phi);
+                for ((leaving, _), phi) in free.filter(|((_, cut), _)| !**cut) {
+                    *phi -= TOGETHER * leaving.iter().map(|(i, sign)| sign * w.given[*i]).sum::<f64>();
+                }
             }
         }
         // The common potential of a group that windings do not connect to the rest is free here.
