@@ -545,3 +545,35 @@ fn the_angle_of_an_inverter_is_the_integral_of_a_frequency_with_kinks() {
         assert!((found - right).abs() < 1e-9, "{periods} periods: {found} rad, not {right}");
     }
 }
+
+/// Another sample time makes the common clock a fine one; circuits are coupled at the same times all the same. With a clock that had lost digits
+/// whole coupling steps were left out, and the machine ran at twice its speed.
+#[test]
+fn a_sample_time_that_has_nothing_to_do_with_a_circuit_changes_nothing() {
+    let steady = |beside: &str| {
+        let text = moving_text(
+            [&format!(r#""f": Constant(value: "40 Hz"), {beside}"#), ""],
+            "Separate(periods: 1)",
+            "1e-6",
+        )
+        .replace("2 kHz", "1250 Hz")
+        .replace(r#""w", "torque"]"#, r#""w", "torque", "theta"]"#)
+        .replace(
+            r#""machine.torque -> s.torque","#,
+            r#""machine.torque -> s.torque", "inverter.theta -> s.theta","#,
+        );
+        if beside.is_empty() {
+            text
+        } else {
+            text.replace("connections: [", r#"connections: ["f.y -> hold.u", "hold.y -> no.u","#)
+        }
+    };
+    let alone = run_text(&steady(""));
+    for ts in ["0.4919 ms", "0.3681 ms", "6.378 ms"] {
+        let beside = run_text(&steady(&format!(r#""hold": ZeroOrderHold(ts: "{ts}"), "no": Terminator,"#)));
+        let right = 2.0 * std::f64::consts::PI * 40.0 * 0.2;
+        assert!((beside.last("s.theta") - right).abs() < 1e-9, "{ts}: {} rad", beside.last("s.theta"));
+        let [found, right] = [&beside, &alone].map(|run| run.last("s.w"));
+        assert!((found - right).abs() < 1e-5 * right, "{ts}: {found} rad/s, not {right} rad/s");
+    }
+}

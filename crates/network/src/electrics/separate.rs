@@ -39,8 +39,9 @@ const LEAST_OF_PART: f64 = 2.0;
 /// Parts of the very first one, in which it is not known how inputs move.
 const FIRST_PARTS: f64 = 16.0;
 
-/// What part of a coupling step is an instant.
+/// What part of a coupling step is an instant; and what part of the time since the start, which is long against it.
 const INSTANT: f64 = 1e-9;
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Every so many coupling steps the error is estimated, and in the first ones always, where a drive starts.
 const EVERY: f64 = 16.0;
@@ -250,8 +251,8 @@ impl Network {
         let is_cut = d[cells.cut] == CUT;
         let (starts, ends) = (d[cells.left] == d[cells.parts] - 1.0 && !is_cut, d[cells.left] == 0.0);
         d[separate.times] = t;
-        // Half an instant early: at the next hit the end is what holds.
-        d[separate.times + 1] = t + step * (1.0 - INSTANT);
+        // An instant early: at the next hit the end is what holds.
+        d[separate.times + 1] = t + step - instant(step, t + step);
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(held) = &seat.held else { continue };
             d.copy_within(held.x_end.clone(), seat.x.start);
@@ -309,7 +310,7 @@ impl Network {
         for _ in 0..CHATTER {
             let next = self.switch(separate, t, c, w, room)?;
             // An edge at the end belongs to the next step, with the inputs of that.
-            let until = if next < end - INSTANT * step { next } else { end };
+            let until = if next < end - instant(step, end) { next } else { end };
             let fine = if room.tries { 2.0 } else { 1.0 };
             let steps = fine * ((until - t) / step * least).ceil().max(1.0);
             let h = (until - t) / steps;
@@ -481,6 +482,11 @@ impl Network {
 /// Whether a coupling step of this number is one of those that are tried for their error.
 fn is_tried(number: f64) -> bool {
     number < EARLY || number % EVERY == 0.0
+}
+
+/// Times closer to the end of a coupling step than this, s, are its end.
+fn instant(step: f64, end: f64) -> f64 {
+    (INSTANT * step).max(ROUNDING * end.abs())
 }
 
 fn copy(to: &mut Vec<f64>, from: &[f64]) {
