@@ -149,6 +149,15 @@ pub trait Block: Any + Debug + Send + Sync {
         false
     }
 
+    /// A search for a steady state begins, or has ended and the run begins there: what blocks have summed up so far is not of that run.
+    fn seek_rest(&self, _begins: bool, _x: &mut [f64], _d: &mut [f64]) {}
+
+    /// Brings states together that have one value in common, on which nothing that moves depends; says what differed, if anything did. Asked
+    /// when a steady state has been found, with all outputs known.
+    fn fit(&self, _c: &Context, _w: &mut Scratch, _x: &mut [f64]) -> Option<String> {
+        None
+    }
+
     /// Prepares [`solve`](Self::solve): factorises `I - hg J`, with `J` a cheap approximation of the Jacobian of
     /// this block's own states, into `w`; called right after
     /// `derivatives` at the same time and states. Only when the interface says `implicit`.

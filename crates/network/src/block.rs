@@ -163,6 +163,15 @@ impl Block for Network {
         self.next_part(c)
     }
 
+    fn seek_rest(&self, begins: bool, x: &mut [f64], d: &mut [f64]) {
+        d[self.seeks] = f64::from(u8::from(begins));
+        self.close_accounts(x, d);
+    }
+
+    fn fit(&self, c: &Context, w: &mut Scratch, x: &mut [f64]) -> Option<String> {
+        self.fit_at_rest(c, w.get::<Work>()?, x)
+    }
+
     fn interrupt(&self, c: &Context, d: &mut [f64]) {
         self.note_inputs(c, d);
         self.separate.iter().for_each(|separate| d[separate.cells().interrupted] = 1.0);

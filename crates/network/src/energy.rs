@@ -151,6 +151,14 @@ impl Network {
         }
     }
 
+    /// Closes all accounts, with nothing in their books: they open anew where the run begins.
+    pub(crate) fn close_accounts(&self, x: &mut [f64], d: &mut [f64]) {
+        for account in &self.accounts.list {
+            (d[account.cells + OPEN], d[account.cells + TURNED]) = (0.0, 0.0);
+            x[self.seats[account.seat].x.clone()].fill(0.0);
+        }
+    }
+
     /// Notes what is stored before a jump, after the phase of motion, and books payloads that have come or gone.
     /// Returns whether there were any.
     pub(crate) fn before_jump(&self, c: &Context, w: &mut Work, x: &mut [f64], d: &mut [f64]) -> bool {
@@ -188,6 +196,10 @@ impl Network {
 
     /// Books what a jump has changed as heat, opens accounts, and fails where a balance is further off than allowed.
     pub(crate) fn after_jump(&self, c: &Context, jumped: bool, w: &mut Work, x: &mut [f64], d: &mut [f64]) {
+        // The states of a search are none of a run.
+        if d[self.seeks] > 0.0 {
+            return;
+        }
         if self.accounts.is_empty() {
             return;
         }

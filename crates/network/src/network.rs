@@ -51,6 +51,8 @@ pub struct Network {
     /// Circuits that the network integrates by itself.
     pub(crate) separate: Vec<Separate>,
     pub(crate) accounts: Accounts,
+    /// Where it lies whether a steady state is sought.
+    pub(crate) seeks: usize,
 }
 
 impl Network {

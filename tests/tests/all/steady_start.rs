@@ -382,3 +382,52 @@ fn slopes_of_laws_leave_few_evaluations_to_the_search() {
     // A single Jacobian by differences of the whole model takes 1 + 22 * 3.
     assert_eq!(rest.evaluations, 24);
 }
+
+/// What is one current, or one voltage, is so at rest as well, though nothing that moves depends on the second of two states: a choke before a motor
+/// had 0.025 A where that had 6 A, for the whole run.
+#[test]
+fn windings_in_series_and_capacitances_in_parallel_have_one_value_at_rest() {
+    let cases = [
+        (
+            r#""v": VoltageSource(v: "12 V"), "choke": Inductor(l: "5 mH"), "m": DcMotor(r: 1.0, l: 0.01, k: 0.1, j: 0.001),
+               "f": RotationalReference, "d": RotationalDamper(d: 0.01), "g": ElectricalReference, "s": Scope(inputs: ["a", "b"])"#,
+            r#""v.p <-> choke.p", "choke.n <-> m.p", "m.n <-> v.n <-> g.p", "m.r <-> d.r", "m.c <-> f.r <-> d.c", "choke.i -> s.a", "m.i -> s.b""#,
+            // 12 = i + 0.1 w, 0.1 i = 0.01 w.
+            6.0,
+        ),
+        (
+            r#""v": VoltageSource(v: "12 V"), "r": Resistor(r: 10.0), "a": Capacitor(c: "1 mF"), "b": Capacitor(c: "2 mF"), "r2": Resistor(r: 30.0),
+               "g": ElectricalReference, "s": Scope(inputs: ["a", "b"])"#,
+            r#""v.p <-> r.p", "r.n <-> a.p <-> b.p <-> r2.p", "v.n <-> a.n <-> b.n <-> r2.n <-> g.p", "a.v -> s.a", "b.v -> s.b""#,
+            9.0,
+        ),
+        (
+            r#""v": VoltageSource(v: "12 V"), "r": Resistor(r: 3.0), "a": SaturatingInductor(l0: "0.5 H", l_s: "1 mH", i_s: "1 A"),
+               "b": SaturatingInductor(l0: "5 H", l_s: "5 mH", i_s: "0.1 A"), "g": ElectricalReference, "s": Scope(inputs: ["a", "b"])"#,
+            r#""v.p <-> r.p", "r.n <-> a.p", "a.n <-> b.p", "b.n <-> v.n <-> g.p", "a.i -> s.a", "b.i -> s.b""#,
+            4.0,
+        ),
+    ];
+    for (blocks, connections, right) in cases {
+        let run = stays(&diagram("", blocks, connections), 1e-6);
+        for name in ["s.a", "s.b"] {
+            near(run.column(name)[0], right, 1e-6);
+        }
+    }
+}
+
+/// An account of energy begins where the run does, and not where the search for its start began.
+#[test]
+fn an_account_of_energy_opens_at_the_steady_state() {
+    let run = stays(
+        &diagram(
+            "",
+            r#""v": VoltageSource(v: "12 V"), "r": Resistor(r: 4.0), "l": Inductor(l: "50 mH"), "g": ElectricalReference,
+               "e": EnergyAccount(at: Electrical), "s": Scope(inputs: ["stored", "error"])"#,
+            r#""v.p <-> r.p", "r.n <-> l.p", "l.n <-> v.n <-> g.p <-> e.node", "e.stored -> s.stored", "e.error -> s.error""#,
+        ),
+        1e-9,
+    );
+    near(run.column("s.stored")[0], 0.5 * 0.05 * 9.0, 1e-9);
+    assert!(run.column("s.error").iter().all(|error| error.abs() < 1e-9));
+}

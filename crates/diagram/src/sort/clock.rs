@@ -92,7 +92,7 @@ fn fraction(x: f64, rounding: f64) -> Option<Fraction> {
     for digits in 0..=15 {
         let q = 10_f64.powi(digits);
         let p = (x * q).round();
-        if p >= 1.0 && p < DIGITS && (p / q - x).abs() <= WRITTEN * x && rounding == WRITTEN {
+        if (1.0..DIGITS).contains(&p) && (p / q - x).abs() <= WRITTEN * x && rounding == WRITTEN {
             return Some(lowest(p as u128, q as u128));
         }
     }

@@ -292,6 +292,8 @@ impl Network {
             interface = interface.sampled(step).subdivides().uses_time();
         }
         let accounts = Accounts::new(&seats, frames.payloads.len(), &mut interface);
+        let seeks = interface.discrete.len();
+        interface = interface.discrete("seeks", 0.0);
         let mut network = Self {
             active: Active { valves: with_valves(&electrics), ..Active::new(&seats, &electrics) },
             has_early: seats.iter().any(|seat| seat.is_early),
@@ -313,6 +315,7 @@ impl Network {
             first_natural,
             separate,
             accounts,
+            seeks,
         };
         network.interface.jumps |= network.loops_meet_sources();
         if network.interface.discrete.iter().any(|state| state.changes.is_some()) {

@@ -7,12 +7,14 @@ use blocksim_block::Context;
 use blocksim_block::physical::ValveKind;
 
 use crate::electrics::commutation::Wrong;
-use crate::electrics::{Branch, Conducting, GivenBy, Unsolvable, solve};
+use crate::electrics::{Branch, Conducting, GivenBy, Unsolvable, loops, solve};
 use crate::network::Network;
 use crate::work::Work;
 
 /// Leakage that stands for ever so little, S.
 const LEAK: f64 = 1e-9;
+/// What may be missing at rest, as a part of the largest current or voltage of a circuit: what a search leaves over.
+const MISFIT: f64 = 1e-6;
 /// Marks the solution for a set of valves in which the others leak; a circuit with a valve for this bit has none.
 const LEAKY: Conducting = 1 << (Conducting::BITS - 1);
 /// Voltages of a cut current below this, relative to the current over the leakage, are rounding.
@@ -117,6 +119,45 @@ impl Network {
         let free = floating.leaving.iter().zip(&floating.cut).filter(|(_, cut)| !**cut);
         free.map(|(leaving, _)| leaving.iter().map(|(i, sign)| sign * w.given[*i]).sum::<f64>().abs())
             .fold(0.0, f64::max)
+    }
+
+    /// Gives capacitances in parallel the one voltage that the rest of the circuit knows of, and says so; or that currents of windings in
+    /// series, which are one, differ. Nothing that moves depends on either.
+    pub(crate) fn fit_at_rest(&self, c: &Context, w: &mut Work, x: &mut [f64]) -> Option<String> {
+        let mut differs = None;
+        for (index, island) in self.electrics.islands.iter().enumerate() {
+            if island.separate.is_some() || self.circuit(index, c, w).is_err() {
+                continue;
+            }
+            let name = |position: usize| self.seats[island.two_pins[position].member].member.path.as_str();
+            let [most_v, most_i] = self.size(index, w);
+            let lost = self.lost(index, w);
+            if lost > MISFIT * most_i {
+                differs.get_or_insert_with(|| {
+                    let path = &self.seats[island.members[0]].member.path;
+                    format!("currents that are one differ by {lost:.3e} of {most_i:.3e} in the circuit of `{path}`")
+                });
+            }
+            let fixed = |i: usize| {
+                matches!(island.two_pins[i].branch, Branch::Source(_) | Branch::Variable(_) | Branch::Wire)
+            };
+            for found in loops::find(&self.electrics, island, fixed).unwrap_or_default() {
+                let of = |(i, factor): &(usize, f64)| factor * self.prescribed(index, *i, w);
+                let others: f64 = found.others.iter().map(of).sum();
+                let own = self.prescribed(index, found.chord, w);
+                let chord = self.electrics.capacitance(&island.two_pins[found.chord].branch);
+                let Some(chord) = chord.filter(|_| (own - others).abs() > MISFIT * most_v) else { continue };
+                x[self.seats[chord.member].x.start + chord.state] += others - own;
+                let beside = found.others.first().map_or("", |(i, _)| name(*i));
+                differs.get_or_insert_with(|| {
+                    format!(
+                        "`{}` stands at {own:.4e} and `{beside}`, in parallel with it, at {others:.4e}",
+                        name(found.chord)
+                    )
+                });
+            }
+        }
+        differs
     }
 
     /// Volt-seconds that would end the currents without a path: the potentials of the floating parts in `w.float.phi`,

@@ -68,7 +68,7 @@ impl Network {
     }
 
     /// Voltage of a branch of a loop.
-    fn prescribed(&self, island: usize, position: usize, w: &Work) -> f64 {
+    pub(crate) fn prescribed(&self, island: usize, position: usize, w: &Work) -> f64 {
         match self.electrics.islands[island].two_pins[position].branch {
             Branch::Source(index) => w.given[index],
             Branch::Valve { on_resistance, forward_voltage, off_conductance, .. } => {

@@ -105,7 +105,9 @@ impl Network {
                 *phi -= driven.iter().map(slope).sum::<f64>();
             }
             let is_curved = |crossing: &Crossing| self.seats[crossing.member].member.part.curved;
-            if floating.crossing.iter().any(is_curved) {
+            // At rest nothing else says that currents of windings in series are one.
+            let is_sought = c.d.get(self.seeks).is_some_and(|seeks| *seeks > 0.0);
+            if is_sought || floating.crossing.iter().any(is_curved) {
                 let free = floating.leaving.iter().zip(&floating.cut).zip(&mut room.phi);
                 for ((leaving, _), phi) in free.filter(|((_, cut), _)| !**cut) {
                     *phi -= TOGETHER * leaving.iter().map(|(i, sign)| sign * w.given[*i]).sum::<f64>();

@@ -171,6 +171,27 @@ impl Diagram {
         Ok(changed)
     }
 
+    /// Tells all blocks that a steady state is sought from here on, or that the run begins.
+    pub fn seek_rest(&mut self, begins: bool, x: &mut [f64]) {
+        for unit in &self.plan.units {
+            unit.block.seek_rest(begins, &mut x[unit.x.range()], &mut self.d[unit.d.range()]);
+        }
+        self.forget();
+    }
+
+    /// Brings states together that have one value in common; returns what differed, and in which block.
+    pub fn fit(&mut self, x: &mut [f64]) -> Option<(usize, String)> {
+        let Self { plan, now, signals, d, scratch, .. } = self;
+        let mut differs = None;
+        for (block, unit) in plan.units.iter().enumerate() {
+            let c = now.context(unit, signals, &d[unit.d.range()]);
+            let found = unit.block.fit(&c, &mut scratch[block], &mut x[unit.x.range()]);
+            differs = differs.or(found.map(|what| (block, what)));
+        }
+        self.forget();
+        differs
+    }
+
     /// Has the blocks note their inputs that want to know of changes, before something changes that never does by itself, and interrupts
     /// those for which this holds.
     pub fn note(&mut self, is_changed: impl Fn(usize) -> bool) -> Result<(), Failed> {

@@ -21,7 +21,10 @@ use blocksim_block::schedule::{Schedule, Start, Steady};
 use self::conditions::Conditions;
 use self::newton::{Failure, Search};
 use crate::variation::frozen::Nobody;
-use crate::{SimError, Simulation};
+use crate::{SimError, Simulation, diagnose};
+
+/// Searches at most, the later ones with states that have been brought together.
+const ROUNDS: usize = 4;
 
 /// A steady state that was found.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -66,12 +69,57 @@ impl Simulation {
         for free in &asked.free {
             self.diagram.pinned.push(free.block);
         }
-        let conditions = Conditions::new(self, asked, strict);
-        Search::new(conditions, go).run().map_err(|failure| match failure {
-            Failure::Simulation(error) => error,
-            Failure::Interrupted => SimError::new("no_steady_state", self.t, "the search was interrupted"),
-            Failure::Restless(lost) => failure::restless(self, asked, &lost),
-        })
+        self.diagram.seek_rest(true, &mut self.x);
+        let found = self.search(asked, strict, go);
+        self.diagram.seek_rest(false, &mut self.x);
+        let evaluated = self.diagram.continuous(self.t, &self.x);
+        self.held(evaluated)?;
+        found
+    }
+
+    /// Searches, and searches again where states had to be brought together.
+    fn search(
+        &mut self,
+        asked: &Steady,
+        strict: bool,
+        go: &mut dyn FnMut() -> bool,
+    ) -> Result<Rest, SimError> {
+        let (mut evaluations, mut round) = (0, 0);
+        let names = diagnose::state_names(&self.schedule);
+        let mut fitted: Vec<bool> = vec![false; self.x.len()];
+        loop {
+            round += 1;
+            let conditions = Conditions::new(self, asked, strict);
+            let mut rest = Search::new(conditions, go).run().map_err(|failure| match failure {
+                Failure::Simulation(error) => error,
+                Failure::Interrupted => {
+                    SimError::new("no_steady_state", self.t, "the search was interrupted")
+                }
+                Failure::Restless(lost) => failure::restless(self, asked, &lost),
+            })?;
+            evaluations += rest.evaluations;
+            let evaluated = self.diagram.continuous(self.t, &self.x);
+            self.held(evaluated)?;
+            let before = self.x.clone();
+            let Some((block, differs)) = self.diagram.fit(&mut self.x) else {
+                let is_fitted =
+                    |name: &String| names.iter().zip(&fitted).any(|(other, is)| *is && other == name);
+                rest.undetermined.retain(|name| !is_fitted(name));
+                rest.evaluations = evaluations;
+                return Ok(rest);
+            };
+            fitted
+                .iter_mut()
+                .zip(before.iter().zip(&self.x))
+                .for_each(|(is, (before, after))| *is |= before != after);
+            if round == ROUNDS {
+                let path = &self.schedule.blocks[block].path;
+                let message = format!("no steady state was found: {differs}");
+                return Err(SimError::new("no_steady_state", self.t, message).at(path).help(
+                    "begin at given initial values, or put one part in the place of those that have one current or one voltage",
+                ));
+            }
+        }
     }
 
     /// A simulation at the start that its settings ask for.
