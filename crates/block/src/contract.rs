@@ -122,6 +122,12 @@ pub trait Block: Any + Debug + Send + Sync {
         Vec::new()
     }
 
+    /// By how much something is beyond what should have changed it before the end of a step, of what size so far, and what it is: a method of
+    /// fixed step looks at conditions at the ends of steps alone. All outputs are known there, and modes are those of the step.
+    fn lateness(&self, _c: &Context, _w: &mut Scratch) -> Option<(f64, f64, &str)> {
+        None
+    }
+
     /// Notes what an accepted step brought (rate limits, backlash). Returns whether another law holds from here, so that the
     /// outputs or their slopes differ from those just before; a method of many steps then begins anew.
     fn accept(&self, _c: &Context, _d: &mut [f64]) -> bool {

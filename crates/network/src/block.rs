@@ -185,6 +185,10 @@ impl Block for Network {
         self.coupling_warnings(d, rtol)
     }
 
+    fn lateness(&self, c: &Context, w: &mut Scratch) -> Option<(f64, f64, &str)> {
+        self.late_valve(c, w.get::<Work>()?)
+    }
+
     fn next_event(&self, c: &Context) -> f64 {
         let seats = self.active.time_events.iter().map(|i| &self.seats[*i]);
         let times = seats.filter_map(|seat| Some(seat.component()?.next_event(&self.known_law(c, seat))));

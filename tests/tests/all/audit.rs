@@ -124,3 +124,32 @@ fn what_grows_with_a_fixed_step_is_told_and_nothing_else() {
         }
     }
 }
+
+/// Diodes behind chokes go on backward until a fixed step ends, which pumps a link up: by a half with 50 us.
+#[test]
+fn valves_that_change_late_with_a_fixed_step_are_told() {
+    let told = |solver: &str| {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "60 ms", solver: {solver}),
+                blocks: {{
+                    "mains": ThreePhaseSource(voltage: "240 V", frequency: "60 Hz"), "choke": ThreePhaseRlc(r: "20 mOhm", l: "0.5 mH"),
+                    "rectifier": RectifierBridge(v_f: "0.8 V"), "link": DcLink(c: "4 mF", r: "10 mOhm", v0: "325 V"),
+                    "load": Resistor(r: "20 ohm"), "show": Scope(inputs: ["link"]),
+                }},
+                connections: [
+                    "mains.ac <-> choke.ac1", "choke.ac2 <-> rectifier.ac", "rectifier.p <-> link.p <-> load.p",
+                    "rectifier.n <-> link.n <-> load.n", "link.v -> show.link",
+                ],
+            )"#
+        ));
+        let codes: Vec<_> = run.warnings.iter().map(|warning| warning.code).collect();
+        (run.last("show.link"), codes == ["coarse_step"], codes)
+    };
+    let (right, _, codes) = told("Ode45");
+    assert!(codes.is_empty(), "{codes:?}");
+    let (coarse, is_told, codes) = told("Ode4(step: \"100 us\")");
+    assert!(coarse > 1.1 * right && is_told, "{coarse} V for {right} V, {codes:?}");
+    let (fine, _, codes) = told("Ode4(step: \"1 us\")");
+    assert!((fine / right - 1.0).abs() < 5e-3 && codes.is_empty(), "{fine} V for {right} V, {codes:?}");
+}

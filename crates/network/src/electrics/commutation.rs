@@ -145,6 +145,28 @@ impl Network {
         })
     }
 
+    /// The current of the valve that conducts most backward, the largest current of its circuit so far, and its member.
+    pub(crate) fn late_valve(&self, c: &Context, w: &mut Work) -> Option<(f64, f64, &str)> {
+        let mut worst: Option<(f64, f64, usize)> = None;
+        for (island, circuit) in self.electrics.islands.iter().enumerate() {
+            if circuit.valves.is_empty() || circuit.separate.is_some() || self.circuit(island, c, w).is_err()
+            {
+                continue;
+            }
+            let conducting = self.conducting(island, c, w) & self.natural_of(island);
+            let largest = self.size_with(island, c.d, w)[1];
+            for bit in (0..circuit.valves.len()).filter(|bit| conducting >> bit & 1 == 1) {
+                let valve = circuit.valves[bit];
+                let backward = -w.current[self.electrics.valves[valve].two_pin];
+                if backward > worst.map_or(0.0, |(most, ..)| most) {
+                    worst = Some((backward, largest, valve));
+                }
+            }
+        }
+        let (backward, largest, valve) = worst?;
+        Some((backward, largest, self.seats[self.electrics.valves[valve].member].member.path.as_str()))
+    }
+
     fn turn_over(&self, island: usize, bit: usize, d: &mut [f64]) {
         let latch = &mut d[self.first_latch + self.electrics.islands[island].valves[bit]];
         *latch = 1.0 - *latch;

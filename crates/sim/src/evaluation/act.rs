@@ -192,6 +192,15 @@ impl Diagram {
         differs
     }
 
+    /// What should have changed before the end of a step, of which the signals are; see [`Block::lateness`].
+    pub fn lateness(&mut self) -> Option<(f64, f64, &str)> {
+        let Self { plan, now, signals, d, scratch, .. } = self;
+        let units = plan.units.iter().zip(scratch);
+        let late = units
+            .filter_map(|(unit, w)| unit.block.lateness(&now.context(unit, signals, &d[unit.d.range()]), w));
+        late.max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
     /// Has the blocks note their inputs that want to know of changes, before something changes that never does by itself, and interrupts
     /// those for which this holds.
     pub fn note(&mut self, is_changed: impl Fn(usize) -> bool) -> Result<(), Failed> {

@@ -6,8 +6,9 @@
 
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::{FixedMethod, Solver};
-use blocksim_solve::{FixedStep, Stepper, System};
+use blocksim_solve::{FixedStep, Stepper};
 
+use crate::evaluation::evaluate::Diagram;
 use crate::stepping::methods::fixed;
 use crate::{Simulation, diagnose};
 
@@ -23,6 +24,9 @@ const FORGETS: f64 = 0.9;
 const TOLD: f64 = 1e-3;
 /// So many looks must have found it: an event within a step or the begin of a transient is no more than one.
 const OFTEN: u32 = 3;
+/// What is late counts from this part of its size on, this part of a step before its end.
+const LATE: f64 = 0.02;
+const BEFORE: f64 = 1e-6;
 /// States smaller than this part of the largest one are noise.
 const NOISE: f64 = 1e-12;
 
@@ -40,6 +44,7 @@ pub(crate) struct Halves {
     whole: Vec<f64>,
     halved: Vec<f64>,
     of_states: Vec<OfState>,
+    late: Late,
 }
 
 /// What is remembered between two calls.
@@ -49,6 +54,17 @@ pub(crate) struct Memory {
     more: u32,
     longest: f64,
     of_states: Vec<OfState>,
+}
+
+/// What has changed late.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Late {
+    /// How many looks have found so.
+    found: u32,
+    /// How far it was beyond at most, and the greatest size of it.
+    beyond: f64,
+    size: f64,
+    what: String,
 }
 
 /// What is known of a state.
@@ -76,6 +92,7 @@ impl Halves {
             whole: vec![0.0; states],
             halved: vec![0.0; states],
             of_states: vec![OfState::default(); states],
+            late: Late::default(),
         })
     }
 
@@ -90,7 +107,7 @@ impl Halves {
     }
 
     /// Compares the step from (`t`, `x`) to `end` with its halves. Where one of them cannot be made, there is nothing to be seen.
-    fn look(&mut self, system: &mut dyn System, t: f64, x: &[f64], end: f64) {
+    fn look(&mut self, system: &mut Diagram, t: f64, x: &[f64], end: f64) {
         let Self { stepper, whole, halved, .. } = self;
         let mut go = |x: &mut [f64], ends: &[f64]| {
             let mut t = t;
@@ -100,6 +117,17 @@ impl Halves {
         halved.copy_from_slice(x);
         if !(go(whole, &[end]) && go(halved, &[t + 0.5 * (end - t), end])) {
             return;
+        }
+        // Just before what is due at the end.
+        let late = system.continuous(end - BEFORE * (end - t), whole).ok().and_then(|()| system.lateness());
+        if let Some((beyond, size, what)) = late {
+            self.late.found += u32::from(beyond > LATE * size);
+            self.late.size = self.late.size.max(size);
+            if beyond > self.late.beyond {
+                self.late.beyond = beyond;
+                self.late.what.clear();
+                self.late.what.push_str(what);
+            }
         }
         let largest = x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let mut is_news = false;
@@ -175,15 +203,24 @@ impl Simulation {
         }
         self.forget_look();
         let halves = self.halves.as_ref()?;
+        let help = "take shorter steps until results stay as they are (`--verify` compares with half the step), or a method that chooses its \
+             steps, such as `Auto`";
+        let Late { found, beyond, size, what } = &halves.late;
+        if *found >= OFTEN && *beyond > LATE * size {
+            let message = format!(
+                "a fixed step of {} s is too long for the valves of `{what}`, which change at the ends of steps alone: they conduct up to {:.0} % \
+                 of the largest current backward by then",
+                halves.step,
+                100.0 * beyond / size
+            );
+            return Some(Problem::warning("coarse_step", message).help(help));
+        }
         let (state, share) = halves.worst()?;
         let name = diagnose::state_names(&self.schedule).swap_remove(state);
         let message = format!(
             "a fixed step of {} s is too long for `{name}`: `{:?}` is off by {:.1e} of its size in a single step, first at {:.3e} s",
             halves.step, halves.method, share, halves.of_states[state].since,
         );
-        Some(Problem::warning("coarse_step", message).help(
-            "take shorter steps until results stay as they are (`--verify` compares with half the step), or a method that chooses its \
-             steps, such as `Auto`",
-        ))
+        Some(Problem::warning("coarse_step", message).help(help))
     }
 }
