@@ -196,7 +196,7 @@ impl Network {
         });
         (d[cells.since], d[cubes]) = (c.t, 0.0);
         d[cells.interrupted] = 0.0;
-        // A jump at this very time is none of the step that begins now.
+        // The inputs of the new step are those of now: whatever has jumped up to now belongs to the step before.
         d[cells.noted] = c.t - self.coupling_step();
         if !is_first && last > 0.0 {
             d[cells.span] = last;

@@ -54,6 +54,7 @@ pub(crate) struct Memory {
     more: u32,
     longest: f64,
     of_states: Vec<OfState>,
+    late: Late,
 }
 
 /// What has changed late.
@@ -98,16 +99,24 @@ impl Halves {
 
     /// What is remembered of the run.
     pub(crate) fn memory(&self) -> Memory {
-        Memory { next: self.next, more: self.more, longest: self.longest, of_states: self.of_states.clone() }
+        Memory {
+            next: self.next,
+            more: self.more,
+            longest: self.longest,
+            of_states: self.of_states.clone(),
+            late: self.late.clone(),
+        }
     }
 
     pub(crate) fn recall(&mut self, memory: &Memory) {
         (self.next, self.more, self.longest) = (memory.next, memory.more, memory.longest);
         self.of_states.clone_from(&memory.of_states);
+        self.late.clone_from(&memory.late);
     }
 
     /// Compares the step from (`t`, `x`) to `end` with its halves. Where one of them cannot be made, there is nothing to be seen.
     fn look(&mut self, system: &mut Diagram, t: f64, x: &[f64], end: f64) {
+        self.more = self.more.saturating_sub(1);
         let Self { stepper, whole, halved, .. } = self;
         let mut go = |x: &mut [f64], ends: &[f64]| {
             let mut t = t;
@@ -141,7 +150,7 @@ impl Halves {
                 state.since = if state.found == 1 { t } else { state.since };
             }
         }
-        self.more = if is_news { MORE } else { self.more.saturating_sub(1) };
+        self.more = if is_news { MORE } else { self.more };
     }
 
     /// The state that steps are too long for, and by how much of its size one is off.
