@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::law::{Failure, Recording};
 use crate::physical::Component;
-use crate::{CodePolicy, Context, Given, Interface, InterfaceError, NoCode, Piece};
+use crate::{CodePolicy, Context, Given, Interface, InterfaceError, Invariant, NoCode, Piece};
 
 /// A block: parameters and pure functions.
 ///
@@ -162,6 +162,11 @@ pub trait Block: Any + Debug + Send + Sync {
     /// when a steady state has been found, with all outputs known.
     fn fit(&self, _c: &Context, _w: &mut Scratch, _x: &mut [f64]) -> Option<String> {
         None
+    }
+
+    /// What its states obey wherever it can be, at those of the [`Context`], with all outputs known: who linearises moves along that alone.
+    fn invariants(&self, _c: &Context, _w: &mut Scratch) -> Vec<Invariant> {
+        Vec::new()
     }
 
     /// Prepares [`solve`](Self::solve): factorises `I - hg J`, with `J` a cheap approximation of the Jacobian of

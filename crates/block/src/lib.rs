@@ -14,6 +14,7 @@ pub mod event;
 mod given;
 pub mod in_unit;
 mod interface;
+mod invariant;
 pub mod law;
 pub mod methods;
 mod param_errors;
@@ -44,6 +45,7 @@ pub use interface::{
     Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, JumpPhrase, MOST_MEMORY, Merging,
     RecordRequest, Ring, State,
 };
+pub use invariant::Invariant;
 pub use param_errors::ParamErrors;
 pub use parameter::{
     MOST_PORTS, ParamError, ParamValue, VALUE_ENUM, at_least, count, finite, hand_over, not_negative,

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `differences` | derivatives of a function, with their accuracy and the kinks at hand |
 //! | `system` | the matrices; one channel of them; sampling with a zero-order hold |
+//! | `constrained` | states that others decide, by what is zero whatever happens |
 //! | `transition` | what a system whose matrices change with time makes of its states over a step |
 //! | `minimal` | what of a channel can be reached and seen, and what leaving the rest away changes |
 //! | `parts` | which states depend on each other in a circle |
@@ -16,6 +17,7 @@
 //! | `delayed` | dead times as they are, in a system of one input and output |
 //! | `grid`, `margins` | frequencies worth looking at; gain, phase and delay margins, bandwidth |
 
+mod constrained;
 mod course;
 mod delayed;
 mod differences;
@@ -30,6 +32,7 @@ mod system;
 mod transition;
 mod zeros;
 
+pub use constrained::{Constrained, constrained};
 pub use course::{StepInfo, step_info, step_response};
 pub use delayed::Delayed;
 pub use differences::{Jacobian, Kink, jacobian, jacobian_over, sparse_jacobian};

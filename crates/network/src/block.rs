@@ -1,7 +1,7 @@
 //! A network as a block.
 
 use blocksim_block::problem::Problem;
-use blocksim_block::{Block, Context, Given, Interface, InterfaceError, Scratch};
+use blocksim_block::{Block, Context, Given, Interface, InterfaceError, Invariant, Scratch};
 
 use crate::network::Network;
 use crate::seat::{CHARGE, ELECTRICS, MOTION, STATE};
@@ -170,6 +170,10 @@ impl Block for Network {
 
     fn fit(&self, c: &Context, w: &mut Scratch, x: &mut [f64]) -> Option<String> {
         self.fit_at_rest(c, w.get::<Work>()?, x)
+    }
+
+    fn invariants(&self, c: &Context, w: &mut Scratch) -> Vec<Invariant> {
+        w.get::<Work>().map_or_else(Vec::new, |w| self.all_invariants(c, w))
     }
 
     fn interrupt(&self, c: &Context, d: &mut [f64]) {

@@ -30,6 +30,7 @@ mod describe;
 mod electrics;
 mod energy;
 mod implicit;
+mod invariants;
 mod law;
 mod mechanics;
 mod member;

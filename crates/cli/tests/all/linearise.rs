@@ -407,3 +407,95 @@ fn curves_are_those_of_the_transfer_function() {
     }
     assert_eq!(desk.call(&["linearise", "loop.ron", "--open", "x.y", "--curves"]).code, Some(2));
 }
+
+/// The poles of a model and the names of the states that follow from others.
+fn free(desk: &Desk, model: &str, words: &[&str]) -> (Vec<f64>, Vec<String>) {
+    std::fs::write(desk.0.join("m.ron"), model).expect("a model");
+    let found = desk.json(&[&["m.ron"], words].concat());
+    let poles = found["poles"].as_array().expect("poles").iter();
+    let names = found["following"].as_array().expect("names").iter();
+    let name = |name: &Value| name.as_str().expect("a name").to_owned();
+    (
+        poles.map(|pole| number(&pole["pole"][0]).hypot(number(&pole["pole"][1]))).collect(),
+        names.map(name).collect(),
+    )
+}
+
+#[test]
+fn states_that_follow_from_others_make_no_poles() {
+    let desk = Desk::new("following");
+    // A choke before a motor is a part of its inductance: s = -(r (l + j d) ... ) of 15 mH, 1 ohm, 0.1 V s, 1e-3 kg m^2, 0.01 N m s.
+    let motor = r#"Diagram(simulation: (stop_time: "1 s"), blocks: {
+        "v": VoltageSource(v: 12.0), "choke": Inductor(l: "5 mH"), "m": DcMotor(r: 1.0, l: 0.01, k: 0.1, j: 0.001),
+        "f": RotationalReference, "d": RotationalDamper(d: 0.01), "g": ElectricalReference,
+    }, connections: [
+        "v.p <-> choke.p", "choke.n <-> m.p", "m.n <-> v.n <-> g.p", "m.r <-> d.r", "m.c <-> f.r <-> d.c",
+    ])"#;
+    let (l, j) = (0.015_f64, 0.001_f64);
+    let (sum, product) = (1.0 / l + 0.01 / j, (1.0 * 0.01 + 0.1 * 0.1) / (l * j));
+    let root = (sum * sum / 4.0 - product).sqrt();
+    for words in [&[][..], &["--steady"], &["--at", "30ms"]] {
+        let (mut poles, following) = free(&desk, motor, words);
+        poles.retain(|pole| *pole != 0.0);
+        assert_eq!((poles.len(), following), (2, vec!["m.i".to_owned()]), "{words:?}");
+        for (pole, expected) in poles.iter().zip([sum / 2.0 - root, sum / 2.0 + root]) {
+            assert!((pole / expected - 1.0).abs() < 1e-9, "{words:?}: {pole}, not {expected}");
+        }
+    }
+    // From hit to hit the same poles.
+    let (poles, following) = free(&desk, motor, &["--sampled=1ms"]);
+    assert_eq!(following, ["m.i"]);
+    for expected in [sum / 2.0 - root, sum / 2.0 + root] {
+        let z = (-1e-3 * expected).exp();
+        assert!(poles.iter().any(|pole| (pole - z).abs() < 1e-9), "{poles:?} without {z}");
+    }
+    // Two capacitances in parallel, 5 mF, behind 2 ohm; one in series with a source of any signal.
+    let parallel = r#"Diagram(simulation: (stop_time: "1 s"), blocks: {
+        "s": Sine(amplitude: "1 V", frequency: "5 Hz"), "v": ControlledVoltageSource, "c1": Capacitor(c: "5 mF"), "c2": Capacitor(c: "5 mF"),
+        "r": Resistor(r: 2.0), "g": ElectricalReference,
+    }, connections: ["s.y -> v.v", "v.p <-> c1.p", "c1.n <-> r.p <-> c2.p", "r.n <-> c2.n <-> v.n <-> g.p"])"#;
+    let (poles, following) = free(&desk, parallel, &["--at", "20ms"]);
+    assert_eq!((poles.len(), following.len()), (1, 1));
+    assert!((poles[0] - 50.0).abs() < 1e-8, "{poles:?}");
+    // A current that a source decides is no state.
+    let cut = r#"Diagram(simulation: (stop_time: "1 s"), blocks: {
+        "s": Sine(amplitude: "1 A", frequency: "5 Hz"), "i": ControlledCurrentSource, "l1": Inductor(l: "5 mH"), "l2": Inductor(l: "5 mH"),
+        "r": Resistor(r: 2.0), "g": ElectricalReference,
+    }, connections: ["s.y -> i.i", "i.p <-> l1.p", "l1.n <-> r.p <-> l2.p", "r.n <-> l2.n <-> i.n <-> g.p"])"#;
+    let (poles, following) = free(&desk, cut, &["--at", "20ms"]);
+    assert_eq!((poles.len(), following), (1, vec!["l1.i".to_owned()]));
+    assert!((poles[0] - 400.0).abs() < 1e-7, "{poles:?}");
+}
+
+#[test]
+fn a_closed_loop_of_bars_has_the_poles_of_its_one_freedom() {
+    let desk = Desk::new("parallelogram");
+    // Two cranks of 0.3 m and 0.8 kg hang from a beam, a coupler of 0.5 m and 1.1 kg joins them: a pendulum.
+    let model = r#"Diagram(simulation: (stop_time: "1 s"), blocks: {
+        "world": World, "ground": Transform(translation: ["0.5 m", "0 m", "0 m"]),
+        "a": RevoluteJoint(axis: [0, -1, 0], position: "-90 deg"), "b": RevoluteJoint(axis: [0, -1, 0], position: "90 deg"),
+        "c": RevoluteJoint(axis: [0, -1, 0]), "d": RevoluteJoint(axis: [0, -1, 0]),
+        "left": Body(mass: "0.8 kg", com: ["0.15 m", "0 m", "0 m"], moi: ["0 kg*m^2", "0.006 kg*m^2", "0.006 kg*m^2"]),
+        "left_end": Transform(translation: ["0.3 m", "0 m", "0 m"]),
+        "coupler": Body(mass: "1.1 kg", com: ["0.2 m", "0 m", "0 m"], moi: ["0 kg*m^2", "0.01 kg*m^2", "0.01 kg*m^2"]),
+        "coupler_end": Transform(translation: ["0.5 m", "0 m", "0 m"]),
+        "right": Body(mass: "0.8 kg", com: ["0.15 m", "0 m", "0 m"], moi: ["0 kg*m^2", "0.006 kg*m^2", "0.006 kg*m^2"]),
+        "right_end": Transform(translation: ["0.3 m", "0 m", "0 m"]),
+    }, connections: [
+        "world.frame <-> a.base <-> ground.base", "a.follower <-> left.frame <-> left_end.base", "left_end.follower <-> b.base",
+        "b.follower <-> coupler.frame <-> coupler_end.base", "coupler_end.follower <-> c.base", "c.follower <-> right_end.follower",
+        "right_end.base <-> right.frame <-> d.follower", "d.base <-> ground.follower",
+    ])"#;
+    let inertia = 2.0 * (0.006 + 0.8 * 0.15 * 0.15) + 1.1 * 0.3 * 0.3;
+    let stiffness = 9.80665 * (2.0 * 0.8 * 0.15 + 1.1 * 0.3);
+    let frequency = f64::sqrt(stiffness / inertia);
+    for words in [&[][..], &["--steady"], &["--sampled=1ms"]] {
+        let (poles, following) = free(&desk, model, words);
+        assert_eq!((poles.len(), following.len()), (2, 6), "{words:?}: {poles:?}");
+        let expected = if words == ["--sampled=1ms"] { 1.0 } else { frequency };
+        assert!(
+            poles.iter().all(|pole| (pole / expected - 1.0).abs() < 1e-6),
+            "{words:?}: {poles:?}, not {expected}"
+        );
+    }
+}

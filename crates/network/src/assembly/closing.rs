@@ -6,7 +6,6 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::assembly::members::Members;
 use crate::mechanics::frames::{Frames, Loop};
-use crate::mechanics::place::rotation_vector;
 use crate::mechanics::rotation::Rotation;
 use crate::problem::NetworkProblem;
 
@@ -148,9 +147,7 @@ fn smallest(a: DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
 
 /// Angles (rad) and lengths (m) between the two frames of a loop in world axes.
 fn gap(closing: &Loop, data: &Data) -> [f64; 6] {
-    let (a, b) = (closing.a.in_world(data), closing.b.in_world(data));
-    let (turn, way) =
-        (rotation_vector(&(b.rotation * a.rotation.transpose())), b.translation - a.translation);
+    let [turn, way] = closing.gap(data);
     [turn.x, turn.y, turn.z, way.x, way.y, way.z]
 }
 

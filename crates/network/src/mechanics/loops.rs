@@ -15,9 +15,10 @@
 //! no event and no jump, so that it works with every method and in every minor step.
 
 use blocksim_block::Context;
-use blocksim_multibody::{add_jacobian, bias_accelerations};
+use blocksim_multibody::{Data, add_jacobian, bias_accelerations};
 use nalgebra::Vector3;
 
+use crate::mechanics::frames::Loop;
 use crate::mechanics::place::rotation_vector;
 use crate::network::Network;
 use crate::work::Work;
@@ -33,6 +34,14 @@ const ROUNDING: f64 = 1e-6;
 const MISFIT: f64 = 1e-3;
 /// Rates of the gaps, rad/s and m/s, that the stabilisation of rounded positions brings while everything stands.
 pub(crate) const AT_REST: f64 = 1e-9;
+
+impl Loop {
+    /// The angles, rad, and lengths, m, between its two ends, in the axes of the world.
+    pub(crate) fn gap(&self, data: &Data) -> [Vector3<f64>; 2] {
+        let (a, b) = (self.a.in_world(data), self.b.in_world(data));
+        [rotation_vector(&(b.rotation * a.rotation.transpose())), b.translation - a.translation]
+    }
+}
 
 impl Network {
     /// Writes the rows of all loops at the positions `q` and the current speeds, and lets the mass matrix and the
@@ -50,9 +59,7 @@ impl Network {
                 }
             }
             drop_rounding(rows, j);
-            let (a, b) = (closing.a.in_world(data), closing.b.in_world(data));
-            let gap =
-                [rotation_vector(&(b.rotation * a.rotation.transpose())), b.translation - a.translation];
+            let gap = closing.gap(data);
             let (va, vb) = (closing.a.velocity(data), closing.b.velocity(data));
             let rate = [vb.angular - va.angular, vb.linear - va.linear];
             let (aa, ab) = (closing.a.acceleration(data), closing.b.acceleration(data));

@@ -1,6 +1,6 @@
 //! What blocks do besides outputs. Each function belongs to the point of the last evaluation.
 
-use blocksim_block::{Block, Context, NODES, Piece, Scratch};
+use blocksim_block::{Block, Context, Invariant, NODES, Piece, Scratch};
 use blocksim_solve::Failed;
 
 use crate::evaluation::evaluate::Diagram;
@@ -190,6 +190,24 @@ impl Diagram {
         }
         self.forget();
         differs
+    }
+
+    /// What states obey wherever the diagram can be, at those of the last evaluation.
+    pub fn invariants(&mut self) -> Vec<Invariant> {
+        let Self { plan, now, signals, d, scratch, .. } = self;
+        let units = plan.units.iter().zip(scratch);
+        let found = units.flat_map(|(unit, w)| {
+            let first = unit.x.range().start;
+            let own = unit.block.invariants(&now.context(unit, signals, &d[unit.d.range()]), w);
+            own.into_iter().map(move |Invariant { gaps, states, terms }| Invariant {
+                gaps,
+                states: first + states.start..first + states.end,
+                terms,
+            })
+        });
+        let found = found.collect();
+        self.forget();
+        found
     }
 
     /// What should have changed before the end of a step, of which the signals are; see [`Block::lateness`].

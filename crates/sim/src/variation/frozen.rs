@@ -1,5 +1,6 @@
 //! A simulation at one instant: what derivatives and signals would be, were states or signals a bit different.
 
+use blocksim_block::Invariant;
 use blocksim_block::schedule::{Schedule, Step, When};
 
 use crate::program::spread::{spread, written};
@@ -72,6 +73,11 @@ impl Frozen {
         let evaluated = diagram.touched(simulation.t, x, asked, |call, signals| touch(Some(call), signals));
         let evaluated = evaluated.and_then(|()| diagram.derive(dx));
         simulation.held(evaluated)
+    }
+
+    /// What states obey wherever the diagram can be, at those of the last evaluation.
+    pub fn invariants(&mut self) -> Vec<Invariant> {
+        self.simulation.diagram.invariants()
     }
 
     /// Takes the slopes at the states `x`, without changes at the taps: exact ones of laws that are data, those of other blocks by

@@ -42,6 +42,7 @@ pub fn json(found: &Found, with_curves: bool) -> Value {
         "dead_times": system.dead.iter().map(|(path, time)| json!({ "path": path, "time": time })).collect::<Vec<_>>(),
         "growing": found.growing,
         "constant": found.constant,
+        "following": system.following,
         "to": to.collect::<Vec<_>>(),
         "open": open.collect::<Vec<_>>(),
         "states": system.names.iter().zip(&system.x).map(|(name, x)| json!({ "name": name, "value": x })).collect::<Vec<_>>(),

@@ -2,8 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use blocksim_block::Invariant;
 use blocksim_block::schedule::Schedule;
-use blocksim_linear::{DMatrix, Jacobian, Kink, LinearError, StateSpace, jacobian_over};
+use blocksim_linear::{
+    Constrained, DMatrix, Jacobian, Kink, LinearError, StateSpace, constrained, jacobian_over,
+};
 use blocksim_sim::{Frozen, Origin, SimError, Tap, state_names};
 
 use super::signals::Place;
@@ -43,6 +46,8 @@ pub struct Linearised {
     pub names: Vec<String>,
     /// States of the operating point.
     pub x: Vec<f64>,
+    /// Names of states that follow from these.
+    pub following: Vec<String>,
     /// Value of the input there, if there is one.
     pub value: Option<f64>,
     /// Values of the outputs there.
@@ -154,6 +159,7 @@ pub fn linearise(frozen: Frozen, question: &Question) -> Result<Linearised, NoMa
     };
     model.frozen.differentiate(&x)?;
     let Slopes { system, accuracy, kinks, method } = slopes((&point, &there, n), None, &labels, &mut model)?;
+    let Free { system, names, x, following } = free(system, names, &point, &mut model)?;
     let sign = if question.is_loop { -1.0 } else { 1.0 };
     Ok(Linearised {
         accuracy,
@@ -166,6 +172,7 @@ pub fn linearise(frozen: Frozen, question: &Question) -> Result<Linearised, NoMa
         modes,
         names,
         x,
+        following,
         system,
     })
 }
@@ -232,6 +239,14 @@ pub(super) trait Function {
         Origin::Unknown
     }
 
+    /// What states obey whatever happens, at an argument.
+    ///
+    /// # Errors
+    /// [`NoMatrices`].
+    fn invariants(&mut self, _z: &[f64]) -> Result<Vec<Invariant>, NoMatrices> {
+        Ok(Vec::new())
+    }
+
     /// Blocks whose differences have had a part in that.
     fn by_differences(&self) -> Vec<String> {
         Vec::new()
@@ -260,6 +275,13 @@ impl Function for Model<'_> {
         let Self { frozen, inputs, .. } = &*self;
         self.outputs(&direction[n + inputs..], &|cell| frozen.rate(cell), &|tap| frozen.given_rate(tap), y);
         origin
+    }
+
+    fn invariants(&mut self, z: &[f64]) -> Result<Vec<Invariant>, NoMatrices> {
+        let n = self.frozen.states().len();
+        self.take_inputs(&z[n..]);
+        self.frozen.evaluate(&z[..n], &self.change, &mut vec![0.0; n])?;
+        Ok(self.frozen.invariants())
     }
 
     fn by_differences(&self) -> Vec<String> {
@@ -337,6 +359,53 @@ pub(super) fn slopes(
         )
     });
     Ok(Slopes { system, accuracy: slopes.accuracy(), kinks: kinks.collect(), method })
+}
+
+/// A system over the states that are free.
+pub(super) struct Free {
+    pub system: StateSpace,
+    pub names: Vec<String>,
+    pub x: Vec<f64>,
+    /// Names of the others.
+    pub following: Vec<String>,
+}
+
+/// Leaves out the states that follow from others at a point, of a system over all of them; the point has its states and then its inputs.
+pub(super) fn free(
+    system: StateSpace,
+    names: Vec<String>,
+    point: &[f64],
+    function: &mut impl Function,
+) -> Result<Free, NoMatrices> {
+    let n = names.len();
+    let here = function.invariants(point)?;
+    let rows: usize = here.iter().map(|kind| kind.gaps.len() + kind.terms.len()).sum();
+    if rows == 0 {
+        return Ok(Free { system, names, x: point[..n].to_vec(), following: Vec::new() });
+    }
+    let slopes = jacobian_over(point, 0..point.len(), rows, |z, out| {
+        let found = function.invariants(z)?;
+        let values = found.iter().flat_map(|kind| kind.gaps.iter().chain(&kind.terms));
+        // Where others hold beside the point, nothing is known of these.
+        out.fill(f64::NAN);
+        out.iter_mut().zip(values).for_each(|(to, value)| *to = *value);
+        Ok::<(), NoMatrices>(())
+    })?;
+    let mut first = 0;
+    let mut part = |rows: usize| {
+        first += rows;
+        slopes.value.rows(first - rows, rows).into_owned()
+    };
+    let kinds = here.into_iter().map(|Invariant { gaps, states, terms }| Constrained {
+        gaps: part(gaps.len()),
+        states,
+        terms: part(terms.len()),
+    });
+    let kinds: Vec<Constrained> = kinds.collect();
+    let (system, kept) = constrained(&system, &kinds);
+    let following = (0..n).filter(|i| !kept.contains(i)).map(|i| names[i].clone()).collect();
+    let names = kept.iter().map(|i| names[*i].clone()).collect();
+    Ok(Free { system, names, x: kept.iter().map(|i| point[*i]).collect(), following })
 }
 
 /// Slopes column by column: those that the function knows, and differences elsewhere.

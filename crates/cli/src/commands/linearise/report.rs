@@ -72,6 +72,15 @@ fn heading(found: &Found) -> String {
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         text.push_str(&format!("moves on, as nothing depends on it: {}{more}\n", names.join(", ")));
     }
+    if !system.following.is_empty() {
+        let names: Vec<String> = system.following.iter().take(FEW).map(|name| format!("`{name}`")).collect();
+        let more = system.following.len().saturating_sub(FEW);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        text.push_str(&format!(
+            "no state of its own, as it follows from others: {}{more}\n",
+            names.join(", ")
+        ));
+    }
     for kink in system.kinks.iter().take(FEW) {
         text.push_str(&format!("not smooth here: {kink}; the mean is taken\n"));
     }
@@ -120,7 +129,7 @@ fn slopes(found: &Linearised) -> String {
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         format!("{}{more}", names[..names.len().min(FEW)].join(", "))
     };
-    let all = found.names.len() + found.system.b.ncols();
+    let all = found.names.len() + found.following.len() + found.system.b.ncols();
     let mut parts = Vec::new();
     if !blocks.is_empty() {
         let blocks: Vec<String> = blocks.iter().map(|path| format!("`{path}`")).collect();

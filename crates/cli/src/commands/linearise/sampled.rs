@@ -1,11 +1,13 @@
 //! Matrices in discrete time: from one sample hit to that a period later.
 
+use blocksim_block::Invariant;
 use blocksim_block::schedule::Schedule;
 use blocksim_linear::{DMatrix, StateSpace};
 use blocksim_sim::{Origin, Period, PeriodMap, PeriodSlopes, Tap};
 
 use super::matrices::{
-    Function, Labels, Linearised, Method, NoMatrices, Question, Slopes, between, modes, slopes, taps,
+    Free, Function, Labels, Linearised, Method, NoMatrices, Question, Slopes, between, free, modes, slopes,
+    taps,
 };
 use super::point::Patient;
 use crate::exit::Exit;
@@ -73,6 +75,7 @@ pub fn linearise(
         let own = slopes((&point[..n], &there[..n], n), Some(period.length), &none, &mut model);
         is_once_around(&system, &own.map_err(stopped)?.system.a, question, period.length)?;
     }
+    let Free { system, names, x, following } = free(system, names, &point, &mut model)?;
     let sign = if question.is_loop { -1.0 } else { 1.0 };
     let linearised = Linearised {
         accuracy,
@@ -85,6 +88,7 @@ pub fn linearise(
         modes,
         names,
         x,
+        following,
         system,
     };
     Ok((linearised, period.begin, adrift))
@@ -164,6 +168,11 @@ impl Function for Model<'_> {
             out[n..].iter_mut().zip(&y).for_each(|(out, slope)| *out += slope * part);
         }
         if slopes.by_differences.is_empty() { Origin::Laws } else { Origin::Differences }
+    }
+
+    fn invariants(&mut self, z: &[f64]) -> Result<Vec<Invariant>, NoMatrices> {
+        let n = self.map.states().len();
+        Ok(self.map.invariants(&z[..n])?)
     }
 
     fn by_differences(&self) -> Vec<String> {

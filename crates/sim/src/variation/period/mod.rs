@@ -9,6 +9,7 @@ mod slopes;
 
 use std::sync::Arc;
 
+use blocksim_block::Invariant;
 use blocksim_block::schedule::{Clock, Instance, Schedule, Solver, Steady, VariableMethod, When};
 use blocksim_signal::Kind;
 
@@ -318,6 +319,25 @@ impl PeriodMap {
         let jumped = simulation.repeat_instant(witness)?;
         self.signals.copy_from_slice(&simulation.diagram.signals);
         Ok(jumped)
+    }
+
+    /// What states obey wherever the model can be, at other ones at the beginning of the period.
+    ///
+    /// # Errors
+    /// See [`SimError::code`].
+    pub fn invariants(&mut self, states: &[f64]) -> Result<Vec<Invariant>, SimError> {
+        let unchanged = vec![0.0; self.taps.len()];
+        let mut witness = Witness { simulation: Arc::clone(&self.simulation.schedule), seen: None };
+        self.begin(states, &unchanged, &mut witness)?;
+        let mut found = self.simulation.diagram.invariants();
+        // Continuous states come in their order.
+        let before = |x: usize| {
+            self.places.iter().filter(|place| matches!(place, Place::Continuous(own) if *own < x)).count()
+        };
+        found.iter_mut().for_each(|invariant| {
+            invariant.states = before(invariant.states.start)..before(invariant.states.end);
+        });
+        Ok(found)
     }
 
     /// The states where the simulation is.
