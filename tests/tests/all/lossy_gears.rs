@@ -249,3 +249,22 @@ fn a_locked_clutch_before_a_lossy_gear_transmits_what_the_gear_takes() {
         close(run.last("scope.tau"), 0.5 - 1e-4 * a, 1e-9);
     }
 }
+
+/// Two gears of different ratio between the same shafts: nothing can ever move, and no friction decides that.
+#[test]
+fn gears_that_lock_each_other_stand() {
+    for loss in ["", ", efficiency: 0.9", ", efficiency: 0.9, loss: Stiction"] {
+        let text = format!(
+            r#"Diagram(simulation: (stop_time: "1 s"), blocks: {{
+                "a": SimpleGear(ratio: 2, direction: Same{loss}), "b": SimpleGear(ratio: 3, direction: Same{loss}),
+                "x": Inertia(j: 1), "y": Inertia(j: 1), "t": ConstantTorque(tau: 1), "h": RotationalReference,
+                "on_x": MotionSensor, "on_y": MotionSensor, "scope": Scope(inputs: ["x", "y"]) }},
+               connections: [ "a.base <-> b.base <-> x.r <-> t.r <-> on_x.r", "a.follower <-> b.follower <-> y.r <-> on_y.r",
+                "t.c <-> h.r <-> on_x.c <-> on_y.c", "on_x.w -> scope.x", "on_y.w -> scope.y" ])"#
+        );
+        let (compiled, problems) = compile_text(&text);
+        let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+        assert!(run.error.is_none(), "{loss}: {:?}", run.error);
+        assert_eq!((run.last("scope.x"), run.last("scope.y")), (0.0, 0.0), "{loss}");
+    }
+}

@@ -443,3 +443,41 @@ fn a_clutch_between_turning_shafts_locks_once() {
         assert!(locked.clone().all(|(_, tau)| *tau > 1.5 && *tau < 2.5), "{solver}");
     }
 }
+
+/// What slides on a part can load it with no more than its own friction, which the part bears at rest, though not while it slides.
+#[test]
+fn a_part_that_is_held_stays_where_what_slides_on_it_reverses() {
+    for solver in SOLVERS.into_iter().chain(["Ode4(step: \"0.5 ms\")"]) {
+        // What is decided does not depend on names.
+        let ends = ["a", "z"].map(|bearing| {
+            let run = run_blocks(
+                "2 s",
+                solver,
+                &format!(
+                    r#""x": Inertia(j: 0.856), "y": Inertia(j: 1.12), "s": Sine(amplitude: "6.37 N*m", frequency: 2.4),
+                       "f": RotationalFriction(breakaway: 0.356, breakaway_velocity: 0, coulomb: 0.356, model: Stiction),
+                       "{bearing}": RotationalFriction(breakaway: 0.392, breakaway_velocity: 0, coulomb: 0.28, model: Stiction),
+                       "t": IdealTorqueSource, "h": RotationalReference, "on_x": MotionSensor, "on_y": MotionSensor,
+                       "scope": Scope(inputs: ["x", "y"])"#
+                ),
+                &format!(
+                    r#""s.y -> t.tau", "t.r <-> x.r <-> f.c <-> on_x.r", "f.r <-> y.r <-> {bearing}.r <-> on_y.r",
+                       "t.c <-> h.r <-> {bearing}.c <-> on_x.c <-> on_y.c", "on_x.w -> scope.x", "on_y.w -> scope.y""#
+                ),
+            );
+            assert!(run.column("scope.y").iter().all(|w| *w == 0.0), "{solver}, {bearing}: {:?}", run.events);
+            run.last("scope.x")
+        });
+        let fixed = run_blocks(
+            "2 s",
+            solver,
+            r#""x": Inertia(j: 0.856), "s": Sine(amplitude: "6.37 N*m", frequency: 2.4), "t": IdealTorqueSource,
+               "f": RotationalFriction(breakaway: 0.356, breakaway_velocity: 0, coulomb: 0.356, model: Stiction),
+               "h": RotationalReference, "on_x": MotionSensor, "scope": Scope(inputs: ["x"])"#,
+            r#""s.y -> t.tau", "t.r <-> x.r <-> f.c <-> on_x.r", "f.r <-> t.c <-> h.r <-> on_x.c", "on_x.w -> scope.x""#,
+        );
+        for end in ends {
+            close(end, fixed.last("scope.x"), 1e-9);
+        }
+    }
+}

@@ -57,7 +57,7 @@ impl Lock {
         form.add_to(-1.0, &mut row[..n]);
         prescribed.add_to(-1.0, &mut row[n..]);
         let scale = row[..n].iter().fold(0.0_f64, |max, value| max.max(value.abs()));
-        for (pivot, other) in self.pivots.iter().zip(done.chunks_exact(width)) {
+        for (pivot, other) in self.pivots.iter().zip(done.chunks_exact(width.max(1))) {
             let factor = std::mem::take(&mut row[*pivot]);
             row.iter_mut().zip(other).for_each(|(to, from)| *to += factor * from);
         }
@@ -74,7 +74,7 @@ impl Lock {
         }
         let inverse = -1.0 / std::mem::take(&mut row[pivot]);
         row.iter_mut().for_each(|value| *value *= inverse);
-        for other in done.chunks_exact_mut(width) {
+        for other in done.chunks_exact_mut(width.max(1)) {
             let factor = std::mem::take(&mut other[pivot]);
             other.iter_mut().zip(row.iter()).for_each(|(to, from)| *to += factor * from);
         }

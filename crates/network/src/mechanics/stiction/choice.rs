@@ -4,7 +4,9 @@
 //! least-index pivoting: every friction at rest begins stuck, and of those whose mode is wrong the first is changed, until
 //! none is. For matrices that are positive definite this ends (K. G. Murty, Note on a Bard-type scheme for solving the
 //! complementarity problem, Opsearch 11 (1974)). Where more is held at rest than while sliding, there may be several
-//! solutions and pivoting may go round in circles; then what is held counts as what slides, which has one solution.
+//! solutions, and of these that one counts in which what has been stuck stays so: what slid until now is changed first, and what has
+//! broken loose is stuck again if it can be. Where pivoting goes round in circles, what is held counts as what slides, which has one
+//! solution.
 
 use blocksim_block::Context;
 use blocksim_block::physical::{Grip, Torque};
@@ -251,13 +253,8 @@ impl Network {
             for _ in 0..10 + 10 * count * count {
                 let now = Context { x: at, d: modes, ..*c };
                 self.again(&now, w);
-                let next = (0..count).find_map(|i| {
-                    let mode = self.stiction.of(modes)[i];
-                    let rests = !matches!(w.rests[i], Rest::Moves(_) | Rest::Open);
-                    Some((i, self.verdict(i, mode, w, soft).filter(|_| rests)?))
-                });
-                match next {
-                    None => return,
+                match self.wrong(soft, c, w, modes) {
+                    None => return self.hold_on(soft, c, w, at, modes),
                     Some((i, mode)) => modes[self.stiction.modes.start + i] = mode,
                 }
             }
@@ -273,6 +270,36 @@ impl Network {
                 "the dry frictions find no modes that agree: make one of them smooth".into()
             }),
         );
+    }
+
+    /// The first part at rest whose mode is wrong while `w` holds the evaluation with these, and the mode to be tried; what slid before `c`
+    /// comes before what was stuck.
+    fn wrong(&self, soft: bool, c: &Context, w: &mut Work, modes: &[f64]) -> Option<(usize, f64)> {
+        let was_stuck = |i: usize| self.stiction.of(c.d)[i] == 0.0;
+        let all = 0..self.stiction.len();
+        let mut order = all.clone().filter(|i| !was_stuck(*i)).chain(all.filter(|i| was_stuck(*i)));
+        order.find_map(|i| {
+            let mode = self.stiction.of(modes)[i];
+            let rests = !matches!(w.rests[i], Rest::Moves(_) | Rest::Open);
+            Some((i, self.verdict(i, mode, w, soft).filter(|_| rests)?))
+        })
+    }
+
+    /// Sticks again, one by one, what was stuck before `c` and need not slide, while `w` holds the evaluation with modes that agree.
+    fn hold_on(&self, soft: bool, c: &Context, w: &mut Work, at: &[f64], modes: &mut [f64]) {
+        for i in 0..self.stiction.len() {
+            let cell = self.stiction.modes.start + i;
+            let (before, mode) = (self.stiction.of(c.d)[i], modes[cell]);
+            if before != 0.0 || mode.abs() != 1.0 || w.rests[i] != Rest::Stands {
+                continue;
+            }
+            modes[cell] = 0.0;
+            self.again(&Context { x: at, d: modes, ..*c }, w);
+            if self.wrong(soft, c, w, modes).is_some() {
+                modes[cell] = mode;
+                self.again(&Context { x: at, d: modes, ..*c }, w);
+            }
+        }
     }
 
     /// Where pivoting begins: with everything at rest stuck, or where several frictions hold the same parts, which give
