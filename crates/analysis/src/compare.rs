@@ -13,12 +13,27 @@ pub struct Rule {
     pub absolute: f64,
     /// Relative tolerance, share of the baseline's size at each instant.
     pub relative: f64,
+    /// Tolerance as a share of the range of the baseline, its maximum less its minimum: signals pass through zero, where a share of
+    /// their size allows nothing.
+    pub range: f64,
     /// Time tolerance, s: how much earlier or later a value may come.
     pub time: f64,
     /// What signals are between their values.
     pub interpolation: Interpolation,
     /// At which instants they are compared.
     pub instants: Instants,
+}
+
+impl Rule {
+    /// The same with what is a share of the range of a signal as an absolute tolerance.
+    pub fn over(&self, baseline: &Series) -> Rule {
+        let finite = baseline.values.iter().copied().filter(|value| value.is_finite());
+        let (low, high) =
+            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let allowed = self.range * (high - low);
+        let allowed = if allowed.is_finite() { allowed } else { 0.0 };
+        Rule { absolute: self.absolute.max(allowed), range: 0.0, ..*self }
+    }
 }
 
 /// At which instants two signals are compared.
@@ -40,7 +55,7 @@ pub struct Deviation {
     pub baseline: f64,
     /// The other signal then.
     pub compared: f64,
-    /// What was allowed: the larger of both tolerances.
+    /// What was allowed: the largest of the tolerances.
     pub tolerance: f64,
 }
 
@@ -83,12 +98,13 @@ impl Comparison {
 
 /// Compares two signals at the instants of the rule, within what they both cover.
 ///
-/// At each instant the tolerance is `max(absolute, relative * |baseline|)`; with a time tolerance the signal must lie
+/// At each instant the tolerance is `max(absolute, relative * |baseline|, range * (max - min of the baseline))`; with a time tolerance the signal must lie
 /// between the minimum and the maximum, widened by their tolerances, that the baseline has within that time. Where
 /// both are NaN or the same infinity they agree; where only one is, they do not. Of a jump both values are compared,
 /// unless values are held.
 pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
     let mut found = Comparison::default();
+    let rule = &rule.over(&baseline);
     let (Some(a), Some(b)) = (baseline.span(), other.span()) else { return found };
     let (from, to) = (a.0.max(b.0), a.1.min(b.1));
     let slack = SAME_TIME * (to - from).abs();

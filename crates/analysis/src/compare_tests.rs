@@ -118,3 +118,25 @@ fn held_values_do_not_come_late_by_rounding() {
     let b = ((0..100).map(|k| f64::from(k) / 10.0).collect::<Vec<_>>(), a.1.clone());
     assert!(compared(&a, &b, Rule { interpolation: Interpolation::Hold, ..Rule::default() }).is_same());
 }
+
+#[test]
+fn a_share_of_the_range_counts_where_the_signal_is_zero() {
+    let time: Vec<f64> = (0..=100).map(|i| f64::from(i) * 0.01).collect();
+    let wave =
+        |late: f64| -> Vec<f64> { time.iter().map(|t| 3.0 * (7.0 * (t - late)).sin() + 0.5).collect() };
+    let (a, b) = (wave(0.0), wave(1e-4));
+    let by = |rule: Rule| compare(Series::new(&time, &a), Series::new(&time, &b), &rule);
+    let largest = by(Rule::default()).maximum.expect("a difference").difference().abs();
+    // The range of the sampled wave is a little less than 6.
+    let range = a.iter().fold(f64::MIN, |m, x| m.max(*x)) - a.iter().fold(f64::MAX, |m, x| m.min(*x));
+    assert!(by(Rule { range: 1.001 * largest / range, ..Rule::default() }).is_within());
+    let found = by(Rule { range: 0.999 * largest / range, ..Rule::default() });
+    assert!(!found.is_within() && found.outside < 20, "{found:?}");
+    assert!(!by(Rule { relative: 1e-2, ..Rule::default() }).is_within());
+    // Nothing of a signal that has no range, and NaN takes no part in it.
+    let level = vec![2.0; time.len()];
+    let rule = Rule { range: 0.1, ..Rule::default() };
+    assert_eq!(rule.over(&Series::new(&time, &level)).absolute, 0.0);
+    assert_eq!(rule.over(&Series::new(&[0.0, 1.0, 2.0], &[1.0, f64::NAN, 3.0])).absolute, 0.2);
+    assert_eq!(rule.over(&Series::new(&[], &[])).absolute, 0.0);
+}

@@ -24,9 +24,13 @@ pub struct GradeArgs {
     /// Absolute tolerance, such as `0.1deg` or `2 N*m`, for signals of this kind; a plain number holds for all, in SI. May be repeated.
     #[arg(long, value_name = "X", value_parser = written_tolerance, allow_hyphen_values = true)]
     pub abs: Vec<String>,
-    /// Relative tolerance; without both, 1e-3.
+    /// Relative tolerance, share of the reference at each instant.
     #[arg(long, value_name = "X", value_parser = positive)]
     pub rel: Option<f64>,
+    /// Tolerance as a share of the range of the reference, its maximum less its minimum. Without it and --abs that of --rel, which alone
+    /// would allow nothing where a signal passes zero; without any, 1e-3.
+    #[arg(long, value_name = "X", value_parser = positive)]
+    pub range: Option<f64>,
     /// Longest time that a project may take to be built and to run.
     #[arg(long, value_name = "TIME", value_parser = time, default_value = "60s")]
     pub limit: f64,

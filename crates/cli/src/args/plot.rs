@@ -128,6 +128,9 @@ pub struct CompareArgs {
     /// Relative tolerance, share of the baseline's size at each instant: `1e-3` or `0.1%`.
     #[arg(long = "rel", value_name = "X", default_value_t = 0.0, value_parser = share, allow_hyphen_values = true)]
     pub relative: f64,
+    /// Tolerance as a share of the range that the baseline has in the run, its maximum less its minimum: `1e-3` or `0.1%`.
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = share, allow_hyphen_values = true)]
+    pub range: f64,
     /// How much earlier or later a value may come.
     #[arg(long, value_name = "TIME", default_value_t = 0.0, value_parser = duration)]
     pub time_tolerance: f64,
@@ -184,6 +187,7 @@ impl CompareArgs {
             signals: Vec::new(),
             absolute: Vec::new(),
             relative: 0.0,
+            range: 0.0,
             time_tolerance: 0.0,
             interpolation: None,
             sync: Sync::Union,

@@ -102,8 +102,65 @@ fn tolerances_and_signals_decide_and_programs_can_read_it() {
 }
 
 #[test]
+fn another_solver_agrees_where_signals_pass_zero_and_what_differs_there_is_named() {
+    // A step response that swings about zero in its rate.
+    let model = |solver: &str, damping: &str| {
+        format!(
+            r#"Diagram(
+    simulation: (stop_time: "5 s", solver: {solver}, output: Every("10 ms")),
+    blocks: {{ "demand": Step(time: "0.5 s"), "plant": TransferFunction(num: [36.0], den: [1.0, {damping}, 36.0]),
+               "rate": Derivative(n: "100 1/s"), "scope": Scope(inputs: ["actual", "rate"]) }},
+    connections: ["demand.y -> plant.u", "plant.y -> rate.u, scope.actual", "rate.y -> scope.rate"],
+)
+"#
+        )
+    };
+    let desk = Desk::with(&[("loop.ron", &model("Auto(rtol: 1e-5)", "1.2"))]);
+    for (name, solver, damping) in
+        [("anna", "Radau5(rtol: 1e-8)", "1.2"), ("bert", "Auto(rtol: 1e-5)", "1.26")]
+    {
+        let folder = desk.0.join("students").join(name);
+        fs::create_dir_all(&folder).expect("a folder");
+        fs::write(folder.join("loop.ron"), model(solver, damping)).expect("a model");
+    }
+    for tolerance in [&[][..], &["--rel", "1e-2"], &["--range", "1e-3"]] {
+        let out = format!("graded{}", tolerance.concat());
+        let words = ["grade", "students", "--against", "loop.ron", "--out", &out];
+        let answer = desk.call(&[&words, tolerance].concat());
+        let lines: Vec<&str> = answer.out.lines().collect();
+        assert!(lines[0].starts_with("anna ") && lines[0].ends_with("agrees"), "{tolerance:?}: {lines:?}");
+        assert!(lines[1].starts_with("bert ") && lines[1].contains("differs"), "{tolerance:?}: {lines:?}");
+    }
+    // A share of the size alone is what `compare` has by itself, and the place that breaks it is told.
+    let words = [
+        "grade",
+        "students",
+        "--against",
+        "loop.ron",
+        "--out",
+        "strict",
+        "--rel",
+        "1e-2",
+        "--abs",
+        "0",
+        "--json",
+    ];
+    let answer = desk.call(&words);
+    let told: serde_json::Value =
+        serde_json::from_str(answer.out.lines().next().expect("a line")).expect("JSON");
+    assert_eq!(told["verdict"], "differs");
+    let signals = told["comparison"]["signals"].as_array().expect("signals");
+    let first = &signals.iter().find(|signal| signal["agrees"] == false).expect("one that differs")["first"];
+    let time = blocksim_numbers::format::significant(first["time"].as_f64().expect("a time"), 4);
+    assert!(told["reason"].as_str().is_some_and(|reason| reason.contains(&format!("at {time} s"))), "{told}");
+}
+
+#[test]
 fn what_cannot_be_graded_is_explained() {
     let desk = Desk::with(&[("loop.ron", &model("6 kg"))]);
+    fs::create_dir_all(desk.0.join("pages/index")).expect("a folder");
+    let answer = desk.call(&["grade", "pages", "--against", "loop.ron", "--out", "out"]);
+    assert!(answer.err.contains("no project in `pages` can be called `index`"), "{}", answer.err);
     fs::create_dir_all(desk.0.join("students/anna")).expect("a folder");
     fs::create_dir_all(desk.0.join("nobody")).expect("a folder");
     for (folder, against, told) in [

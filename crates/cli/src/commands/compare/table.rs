@@ -237,7 +237,8 @@ impl Comparison<'_> {
     fn panel(&self, found: &Found, time: (f64, f64)) -> Result<Panel, Failure> {
         let trace = &self.books[0].traces[found.at];
         let (unit, range) = (&found.unit, time.0..=time.1);
-        let rule = rule(self.args, trace);
+        let mut rule = rule(self.args, trace);
+        rule.absolute /= unit.scale;
         let held = rule.interpolation == Interpolation::Hold;
         let mut a = self.books[0].read(found.at, &ALWAYS)?;
         let mut b = match found.there {
@@ -248,6 +249,7 @@ impl Comparison<'_> {
         for column in [&mut a, &mut b] {
             column.values.iter_mut().for_each(|value| *value = unit.from_si(*value));
         }
+        let rule = rule.over(&Series::new(&a.time, &a.values));
         let lines = [(&a, 0, &self.books[0]), (&b, 1, &self.books[1])].map(|(column, colour, book)| Line {
             name: book.label.clone(),
             colour,
@@ -266,7 +268,7 @@ impl Comparison<'_> {
             true => at_times_of(of_b, of_a),
         };
         let difference: Vec<f64> = base.iter().zip(&there).map(|(base, there)| there - base).collect();
-        let limit = |base: &f64| (rule.absolute / unit.scale).max(rule.relative * base.abs());
+        let limit = |base: &f64| rule.absolute.max(rule.relative * base.abs());
         let limit: Vec<f64> = base.iter().map(limit).collect();
         let limits = |sign: f64| {
             let values: Vec<f64> = limit.iter().map(|x| sign * x).collect();

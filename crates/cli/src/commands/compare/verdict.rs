@@ -73,6 +73,7 @@ pub fn rule(args: &CompareArgs, trace: &Trace) -> Rule {
     Rule {
         absolute: absolute.map_or(0.0, |tolerance| tolerance.value),
         relative: args.relative,
+        range: args.range,
         instants: match args.sync {
             Sync::Union => Instants::Union,
             Sync::Intersection => Instants::Intersection,

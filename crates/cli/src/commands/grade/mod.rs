@@ -25,6 +25,8 @@ use crate::terminal::render::plural;
 
 /// Name of the run that the others are compared with.
 const REFERENCE: &str = "reference";
+/// The page of all, without its ending.
+const INDEX: &str = "index";
 /// Relative tolerance where none is given.
 const USUAL: f64 = 1e-3;
 
@@ -139,9 +141,10 @@ fn projects(args: &GradeArgs, name: &Path) -> Result<Vec<(String, PathBuf)>, Fai
         return Err(Failure::unreadable(format!("there are no projects in `{folder}`"))
             .help("put each project into a folder of its own there"));
     }
-    if names.iter().any(|name| name == REFERENCE) {
-        return Err(Failure::usage(format!("no project in `{folder}` can be called `{REFERENCE}`"))
-            .help("the run of the reference has this name; rename the folder"));
+    if let Some(name) = names.iter().find(|name| [REFERENCE, INDEX].contains(&name.as_str())) {
+        let what = if name == REFERENCE { "the run of the reference" } else { "the page of all" };
+        return Err(Failure::usage(format!("no project in `{folder}` can be called `{name}`"))
+            .help(format!("{what} has this name; rename the folder")));
     }
     Ok(names.into_iter().map(|project| (project.clone(), args.folder.join(project).join(name))).collect())
 }
@@ -193,20 +196,19 @@ fn one(
         graded.reason = if ran.is_late { late } else { problem(&ran).unwrap_or_default() };
         return Ok(graded);
     }
-    let rel = args.rel.map(|x| x.to_string());
-    let usual = USUAL.to_string();
+    let is_bare = args.abs.is_empty() && args.range.is_none();
+    let rel = args.rel.or(is_bare.then_some(USUAL));
+    let range = if is_bare { rel } else { args.range };
+    let shares = [("--rel", rel), ("--range", range)];
+    let shares: Vec<String> =
+        shares.into_iter().filter_map(|(name, x)| Some(format!("{name}={}", x?))).collect();
     let (picture, page) = (args.out.join(format!("{project}.svg")), args.out.join(format!("{project}.html")));
     let signals = args.signals.join(",");
     let mut words: Vec<&std::ffi::OsStr> =
         vec!["compare".as_ref(), reference.as_os_str(), out.as_os_str(), "--json".as_ref()];
     words.extend(["--svg".as_ref(), picture.as_os_str(), "--html".as_ref(), page.as_os_str()]);
-    match &rel {
-        None if args.abs.is_empty() => words.extend(["--rel".as_ref(), std::ffi::OsStr::new(&usual)]),
-        _ => {
-            args.abs.iter().for_each(|abs| words.extend(["--abs".as_ref(), std::ffi::OsStr::new(abs)]));
-            rel.iter().for_each(|rel| words.extend(["--rel".as_ref(), std::ffi::OsStr::new(rel)]));
-        }
-    }
+    args.abs.iter().for_each(|abs| words.extend(["--abs".as_ref(), std::ffi::OsStr::new(abs)]));
+    words.extend(shares.iter().map(std::ffi::OsStr::new));
     if !args.signals.is_empty() {
         words.extend(["--signals".as_ref(), std::ffi::OsStr::new(&signals)]);
     }
@@ -235,7 +237,13 @@ fn differs(found: &Value) -> String {
     let Some(first) = apart.first() else { return "signals are missing".to_owned() };
     let (path, unit) =
         (first["signal"].as_str().unwrap_or_default(), first["unit"].as_str().unwrap_or_default());
-    let most = &first["maximum"];
+    // The greatest difference may be within its tolerance.
+    let beyond = |deviation: &Value| {
+        let [difference, allowed] = ["difference", "tolerance"].map(|name| deviation[name].as_f64());
+        difference.zip(allowed).is_some_and(|(difference, allowed)| difference.abs() > allowed)
+    };
+    let most = [&first["maximum"], &first["first"]].into_iter().find(|deviation| beyond(deviation));
+    let most = most.unwrap_or(&first["maximum"]);
     let more = if apart.len() > 1 {
         format!(", and {} more", plural(apart.len() - 1, "signal"))
     } else {
