@@ -46,6 +46,36 @@ fn a_joint_move_tells_duration_and_margins() {
 }
 
 #[test]
+fn the_fastest_way_keeps_the_limits_that_it_is_checked_against() {
+    // Each was above the acceleration of axis 4 by 2e-6 to 1e-5 between the places at which the planner had looked.
+    for (from, to, velocity, acceleration) in [
+        ("1391,310,1121", "981,14,1105", "1000", "100"),
+        ("1316,-321,1242", "1259,-415,1201", "200", "20"),
+        ("1176,-28,1227", "1359,468,1200", "2500", "20"),
+        ("1067,-157,1268", "1143,438,1241", "200", "20"),
+    ] {
+        let words = [
+            "linear",
+            "--from-point",
+            from,
+            "--to",
+            to,
+            "--profile",
+            "time-optimal",
+            "--orientation",
+            "fixed",
+        ];
+        let words = [&words[..], &["--velocity", velocity, "--acceleration", acceleration]].concat();
+        let (code, out, err) = plan(&words);
+        assert!(code == 0 && !out.contains("exceeded"), "{from} to {to}: {code} {out}{err}");
+        // At a limit: of an axis, or of the tool.
+        let of_axis = |line: &str| line.split_whitespace().any(|word| word == "100" || word == "99");
+        let is_fast = out.lines().any(|line| of_axis(line) || line.contains("16.00 m/s^2"));
+        assert!(is_fast, "{from} to {to}: {out}");
+    }
+}
+
+#[test]
 fn a_line_is_written_once_and_planned_again_from_its_file() {
     let file = Fresh::named("line.ron");
     let asked = ["linear", "--from-point", "1 m, 100 mm, 1.3 m", "--to", "1.2 m, -300 mm, 900 mm", "--out"];

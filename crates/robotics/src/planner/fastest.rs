@@ -15,8 +15,11 @@ const FINEST: usize = 32;
 const MOST: usize = 20_000;
 /// By how much speeds may be above what they can be before the intervals are divided, relative.
 const CLOSE: f64 = 1e-3;
-/// Places within an interval at which the limits are looked at.
+/// Places within an interval at which the limits are looked at, and at last.
 const INSIDE: usize = 4;
+const AT_LAST: usize = 64;
+/// What may lie between the last of them, relative.
+const BETWEEN: f64 = 2e-6;
 
 /// Length over time of the fastest motion from rest to rest; `None` where there is none.
 pub(crate) fn fastest(joints: &JointPath, path: &Path, bounds: &Bounds) -> Option<TimeLaw> {
@@ -34,26 +37,37 @@ pub(crate) fn fastest(joints: &JointPath, path: &Path, bounds: &Bounds) -> Optio
         let curvatures: Vec<f64> = places.map(|s| path.at(s).curvature.norm()).collect();
         let squares = time_optimal(n, step, |k, axis| knots[k * axes + axis], |k| curvatures[k], bounds);
         let finer = parts < FINEST && 2 * n <= MOST;
-        let excess = squares.as_ref().map_or(f64::INFINITY, |x| excess(joints, path, bounds, step, x));
+        let excess =
+            squares.as_ref().map_or(f64::INFINITY, |x| excess(joints, path, bounds, (step, INSIDE), x));
         if excess > 1.0 + CLOSE && finer {
             parts *= 2;
             continue;
         }
         // All speeds by one factor: speeds go with it, accelerations with its square.
-        let slower = excess.max(1.0).powi(2);
-        let squares: Vec<f64> = squares?.iter().map(|x| x / slower).collect();
+        let mut squares = squares?;
+        let excess = excess.max(self::excess(joints, path, bounds, (step, AT_LAST), &squares));
+        if excess > 1.0 - BETWEEN {
+            let slower = (excess * (1.0 + BETWEEN)).powi(2);
+            squares.iter_mut().for_each(|x| *x /= slower);
+        }
         return Some(TimeLaw::phases(step, &squares));
     }
 }
 
 /// By how much speeds are above what all limits allow: their largest ratio to the limit, or the root of that of
-/// accelerations.
-fn excess(joints: &JointPath, path: &Path, bounds: &Bounds, step: f64, squares: &[f64]) -> f64 {
+/// accelerations; looked at so many places `inside` each interval.
+fn excess(
+    joints: &JointPath,
+    path: &Path,
+    bounds: &Bounds,
+    (step, inside): (f64, usize),
+    squares: &[f64],
+) -> f64 {
     let mut worst = 0.0_f64;
     for (k, pair) in squares.windows(2).enumerate() {
         let u = (pair[1] - pair[0]) / (2.0 * step);
-        for i in 0..=INSIDE {
-            let along = step * (i as f64 / INSIDE as f64);
+        for i in 0..=inside {
+            let along = step * (i as f64 / inside as f64);
             let s = (k as f64 * step + along).min(joints.length());
             let x = (pair[0] + 2.0 * u * along).max(0.0);
             for (axis, limits) in bounds.axes.iter().enumerate() {
