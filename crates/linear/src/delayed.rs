@@ -7,7 +7,8 @@ use std::f64::consts::PI;
 
 use nalgebra::{Complex, DMatrix};
 
-use crate::poles::{balanced, poles};
+use crate::parts::parts;
+use crate::poles::{balanced, modes, poles};
 use crate::{Gain, LinearError, StateSpace, frequencies};
 
 /// Change of the phase of a dead time between two frequencies that are looked at, rad.
@@ -98,18 +99,8 @@ impl Delayed {
         let (reached, seen) = (spread(&leads), spread(&|from, to| leads(to, from)));
         let is_between = |node: &usize| reached[*node] && seen[*node];
         let states: Vec<usize> = (0..n).filter(is_between).collect();
-        let dead: Vec<usize> = (n + 1..n + 1 + m).filter(is_between).map(|node| node - n).collect();
-        let ports: Vec<usize> = std::iter::once(0).chain(dead.iter().copied()).collect();
-        Delayed {
-            times: dead.iter().map(|&port| times[port - 1]).collect(),
-            system: StateSpace {
-                a: system.a.select_rows(&states).select_columns(&states),
-                b: system.b.select_rows(&states).select_columns(&ports),
-                c: system.c.select_rows(&ports).select_columns(&states),
-                d: system.d.select_rows(&ports).select_columns(&ports),
-                period: None,
-            },
-        }
+        let dead: Vec<usize> = (n + 1..n + 1 + m).filter(is_between).map(|node| node - n - 1).collect();
+        Delayed { system, times }.part(&states, &dead)
     }
 
     /// Whether no dead time is between the input and the output.
@@ -264,13 +255,78 @@ impl Delayed {
         Ok(grid)
     }
 
+    /// How many poles grow, where none may stand still; as [`growing`](Self::growing).
+    ///
+    /// # Errors
+    /// [`LinearError::Shape`] if a pole lies on the border of stability.
+    pub fn unstable(&self) -> Result<Option<usize>, LinearError> {
+        self.count(false)
+    }
+
+    /// How many poles grow. States and dead times that depend on each other in a circle are counted by themselves: an integrator behind
+    /// a loop does not grow, whatever the loop does. `None` if infinitely many grow, or that cannot be decided.
+    ///
+    /// # Errors
+    /// [`LinearError::Shape`] if a pole of a circle with dead times in it lies on the border of stability.
+    pub fn growing(&self) -> Result<Option<usize>, LinearError> {
+        self.count(true)
+    }
+
+    fn count(&self, may_stand: bool) -> Result<Option<usize>, LinearError> {
+        let StateSpace { a, b, c, d, .. } = &self.system;
+        let (n, m) = (a.nrows(), self.times.len());
+        let joined = DMatrix::from_fn(n + m, n + m, |to, from| match (to < n, from < n) {
+            (true, true) => a[(to, from)],
+            (true, false) => b[(to, from - n + 1)],
+            (false, true) => c[(to - n + 1, from)],
+            (false, false) => d[(to - n + 1, from - n + 1)],
+        });
+        let mut growing = 0;
+        for part in parts(&joined) {
+            let (states, dead): (Vec<usize>, Vec<usize>) = part.into_iter().partition(|node| *node < n);
+            let own = match dead.is_empty() {
+                true => {
+                    let own = poles(&a.select_rows(&states).select_columns(&states))?;
+                    let times: Vec<f64> = modes(&own, None).iter().map(|mode| mode.time_constant).collect();
+                    if !may_stand && times.iter().any(|time| time.is_infinite()) {
+                        return Err(at_border());
+                    }
+                    Some(times.iter().filter(|time| **time < 0.0).count())
+                }
+                false => {
+                    let dead: Vec<usize> = dead.into_iter().map(|node| node - n).collect();
+                    self.part(&states, &dead).turns()?
+                }
+            };
+            let Some(own) = own else { return Ok(None) };
+            growing += own;
+        }
+        Ok(Some(growing))
+    }
+
+    /// These states and dead times.
+    fn part(&self, states: &[usize], dead: &[usize]) -> Delayed {
+        let StateSpace { a, b, c, d, .. } = &self.system;
+        let ports: Vec<usize> = std::iter::once(0).chain(dead.iter().map(|port| port + 1)).collect();
+        Delayed {
+            times: dead.iter().map(|&port| self.times[port]).collect(),
+            system: StateSpace {
+                a: a.select_rows(states).select_columns(states),
+                b: b.select_rows(states).select_columns(&ports),
+                c: c.select_rows(&ports).select_columns(states),
+                d: d.select_rows(&ports).select_columns(&ports),
+                period: None,
+            },
+        }
+    }
+
     /// How many poles grow, by the argument of the characteristic function along the imaginary axis (A. V. Mikhailov's criterion): over all
     /// of it the function turns by pi for each of its n powers, less 2 pi for each root to the right. `None` if infinitely many
     /// do, or that cannot be decided: signals pass dead times in a circle at once and hardly smaller.
     ///
     /// # Errors
     /// [`LinearError::Shape`] if a root lies on the axis, so that the loop is at its border of stability.
-    pub fn unstable(&self) -> Result<Option<usize>, LinearError> {
+    fn turns(&self) -> Result<Option<usize>, LinearError> {
         let StateSpace { a, b, c, d, .. } = &self.system;
         let (n, m) = (a.nrows(), self.times.len());
         let around = d.view((1, 1), (m, m)).into_owned();
@@ -324,12 +380,11 @@ impl Delayed {
             let sign: Complex<f64> = joined.p().determinant();
             Some(sum + sign.arg())
         };
-        let border = || LinearError::Shape("a pole lies on the border of stability".to_owned());
         let longest = self.times.iter().copied().fold(0.0, f64::max);
         // Beyond this nothing turns any more but what passes at once.
         let end = 1e4 * size;
         let mut turned = 0.0;
-        let (mut w, mut last) = (0.0, argument(0.0).ok_or_else(border)?);
+        let (mut w, mut last) = (0.0, argument(0.0).ok_or_else(at_border)?);
         let mut step = 1e-6 * size;
         let mut count = 0;
         while w < end {
@@ -343,14 +398,14 @@ impl Delayed {
             let mut next = w + step.min(SURE / longest.max(f64::MIN_POSITIVE) * (1.0 + w / size));
             let mut halvings = 0;
             let (change, there) = loop {
-                let there = argument(next).ok_or_else(border)?;
+                let there = argument(next).ok_or_else(at_border)?;
                 let change = wrapped(there - last);
                 if change.abs() <= SURE {
                     break (change, there);
                 }
                 halvings += 1;
                 if halvings > HALVINGS {
-                    return Err(border());
+                    return Err(at_border());
                 }
                 next = w + (next - w) / 2.0;
             };
@@ -369,6 +424,10 @@ impl Delayed {
         let count = (rest - turned) / PI;
         Ok(Some(count.round().max(0.0) as usize))
     }
+}
+
+fn at_border() -> LinearError {
+    LinearError::Shape("a pole lies on the border of stability".to_owned())
 }
 
 /// An angle within -pi and pi.
@@ -509,6 +568,14 @@ mod tests {
     #[test]
     fn a_pole_on_the_border_is_no_number_of_growing_ones() {
         let border = system(&[0.0], &[1.0, 0.0], &[0.0, 1.0], &[0.0, 1.0, 0.0, 0.0]);
+        // An integrator behind it changes nothing, and one that is unstable by itself counts.
+        for (own, growing) in [(0.0, 0), (-2.0, 0), (3.0, 1)] {
+            let all =
+                system(&[-2.0, 0.0, 1.0, own], &[0.0, -2.0, 0.0, 0.0], &[0.0, 0.0, 1.0, 0.0], &[0.0; 4]);
+            let all = Delayed::whole(&all, &[0.1]);
+            assert_eq!(all.growing().unwrap(), Some(growing), "{own}");
+            assert_eq!(all.unstable().is_err(), own == 0.0, "{own}");
+        }
         let told = Delayed::new(&border, 0, &[1.0]).unstable().unwrap_err();
         assert_eq!(told.to_string(), "a pole lies on the border of stability");
     }

@@ -108,6 +108,21 @@ fn a_model_without_signals_has_its_poles_and_with_dead_times_the_number_of_those
         assert_eq!(found["growing"], growing, "{gain}");
         assert_eq!(found["dead_times"][1]["path"], "late");
     }
+    // An integrator that reads the loop stands at the border by itself, and the loop does what it does.
+    let behind = DEAD.replace("\"scope\": Scope,", "\"scope\": Scope, \"angle\": Integrator,");
+    let behind = behind.replace("\"lag.y -> late.u\"", "\"lag.y -> late.u, angle.u\"");
+    std::fs::write(desk.0.join("behind.ron"), &behind).unwrap();
+    for (gain, growing) in [("1", 0), ("3.9", 2)] {
+        let found = desk.json(&["behind.ron", "--set", &format!("k={gain}")]);
+        assert_eq!((&found["growing"], &found["poles"][0]["pole"][0]), (&growing.into(), &0.0.into()), "{gain}");
+    }
+    // A loop that is itself at the border: that is told, with all else. L = (pi / 2) exp(-s) / s.
+    let border = r#"Diagram(simulation: (stop_time: "1 s"), blocks: { "gain": Gain(k: "-pi / 2 * 1 1/s"), "x": Integrator(x0: 1),
+        "late": TransportDelay(delay: "1 s") }, connections: ["gain.y -> x.u", "x.y -> late.u", "late.y -> gain.u"])"#;
+    std::fs::write(desk.0.join("border.ron"), border).unwrap();
+    let text = desk.linearise(&["border.ron"]);
+    let told = "whether any of them grows cannot be decided, as a pole lies on the border of stability";
+    assert!(String::from_utf8_lossy(&text.stdout).contains(told), "{text:?}");
     std::fs::write(
         desk.0.join("none.ron"),
         r#"Diagram(simulation: (stop_time: "1 s"), blocks: { "one": Constant(value: 1), "scope": Scope },

@@ -130,10 +130,10 @@ pub fn all_modes(linearised: &Linearised) -> Result<(Vec<Mode>, Vec<usize>), Lin
 /// How many poles of a model with dead times grow, if that can be known.
 ///
 /// # Errors
-/// As [`Delayed::unstable`].
+/// As [`Delayed::growing`].
 pub fn all_growing(linearised: &Linearised) -> Result<Option<usize>, LinearError> {
     let times: Vec<f64> = linearised.dead.iter().map(|dead| dead.1).collect();
-    Delayed::whole(&linearised.system, &times).unstable()
+    Delayed::whole(&linearised.system, &times).growing()
 }
 
 /// What is told of the ways to all outputs.

@@ -53,6 +53,8 @@ pub struct Found {
     pub modes: Vec<Mode>,
     /// How many of infinitely many poles grow, where dead times are in a model of which nothing but poles is asked.
     pub growing: Option<usize>,
+    /// Why that is not known.
+    pub undecided: Option<String>,
     /// To each output.
     pub ways: Vec<Way>,
     /// Where the poles go, if that is asked for.
@@ -181,7 +183,12 @@ fn found(
     let (modes, constant) = all_modes(&linearised).map_err(wrong)?;
     let constant = constant.into_iter().map(|state| linearised.names[state].clone()).collect();
     let is_bare = question.from.is_none() && !linearised.dead.is_empty();
-    let growing = if is_bare { all_growing(&linearised).map_err(wrong)? } else { None };
+    let (growing, undecided) = match is_bare.then(|| all_growing(&linearised)).transpose() {
+        Ok(growing) => (growing.flatten(), None),
+        // What is known of the rest is told all the same.
+        Err(LinearError::Shape(why)) => (None, Some(why)),
+        Err(error) => return Err(wrong(error)),
+    };
     let ways = ways(&linearised, question.is_loop).map_err(wrong)?;
     let title = if schedule.title.is_empty() {
         args.model.model.file_stem().unwrap_or_default().to_string_lossy().into_owned()
@@ -189,7 +196,20 @@ fn found(
         schedule.title.clone()
     };
     let steady = args.steady;
-    Ok(Found { title, question, t, steady, adrift, linearised, constant, modes, growing, ways, locus: None })
+    Ok(Found {
+        title,
+        question,
+        t,
+        steady,
+        adrift,
+        linearised,
+        constant,
+        modes,
+        growing,
+        undecided,
+        ways,
+        locus: None,
+    })
 }
 
 /// What the command line asks for, in terms of the model.

@@ -227,7 +227,10 @@ fn of_model(found: &Found) -> String {
         let growing = match found.growing {
             Some(0) => "none of them grows".to_owned(),
             Some(count) => format!("{count} of them grow"),
-            None => "whether any of them grows cannot be decided".to_owned(),
+            None => {
+                let why = found.undecided.iter().map(|why| format!(", as {why}")).collect::<String>();
+                format!("whether any of them grows cannot be decided{why}")
+            }
         };
         text.push_str(&format!(
             "with dead times, {}, there are infinitely many poles: {growing}; those below are of the model with what comes out of \
