@@ -1,6 +1,7 @@
 //! What a block looks like from outside: ports, states, dependencies. Pure data.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use blocksim_signal::{Dimension, SampleTime};
@@ -21,6 +22,8 @@ pub struct State {
     /// Its nominal value, where the block knows one: a flux in per unit is about one. An automatic absolute tolerance follows it
     /// where the state itself has been smaller, as far as the state keeps its digits.
     pub nominal: Option<f64>,
+    /// A magnitude of it that counts as nothing, where the block knows one; 0 where it does not.
+    pub negligible: f64,
 }
 
 /// One discrete state: a sampled state, a mode or a cell of a memory.
@@ -195,6 +198,9 @@ pub struct Interface {
     /// Continuous states that may go on moving where everything else is steady, by number: places, while speeds are
     /// steady, and what has flowed.
     pub drifting: Vec<usize>,
+    /// Continuous states that are as large as the largest of them where errors are measured, by number: what one law keeps at
+    /// nothing, as the speed of a joint that a closed loop holds, is made of the errors of the others.
+    pub kin: Vec<Range<usize>>,
     /// Discrete states.
     pub discrete: Vec<Discrete>,
     /// Guards.
@@ -304,7 +310,7 @@ impl Interface {
 
     /// Adds a continuous state of a dimension, if it is known.
     pub fn state_in(mut self, name: impl Into<String>, initial: f64, dimension: Option<Dimension>) -> Self {
-        self.states.push(State { name: name.into(), initial, dimension, nominal: None });
+        self.states.push(State { name: name.into(), initial, dimension, nominal: None, negligible: 0.0 });
         self
     }
 

@@ -1,5 +1,7 @@
 //! What is integrated: a system of ordinary differential equations and how exactly it is to be followed.
 
+use std::ops::Range;
+
 /// A system of ordinary differential equations dx/dt = f(t, x).
 ///
 /// `&mut self` lets it keep scratch space; seen from outside it must be a pure function of (t, x), because
@@ -85,6 +87,8 @@ pub struct Tolerances {
     pub fixed: Vec<bool>,
     /// Nominal value of each state for automatic floors; 0 where none is known.
     pub nominal: Vec<f64>,
+    /// States each of which counts as large as the largest of them for automatic floors.
+    pub kin: Vec<Range<usize>>,
 }
 
 impl Tolerances {
@@ -96,6 +100,7 @@ impl Tolerances {
             automatic: false,
             fixed: vec![false; dimension],
             nominal: vec![0.0; dimension],
+            kin: Vec::new(),
         }
     }
 
@@ -108,6 +113,7 @@ impl Tolerances {
             automatic: true,
             fixed: vec![false; dimension],
             nominal: vec![0.0; dimension],
+            kin: Vec::new(),
         }
     }
 

@@ -20,6 +20,8 @@
 //!   less. What noise does to a state over a step is no error.
 //!   It never hides more than a share of the largest state, and it fades with its state.
 
+use std::ops::Range;
+
 use crate::shake::shake;
 use crate::system::NOTHING;
 use crate::{System, Tolerances};
@@ -78,6 +80,8 @@ pub struct Weights {
     fixed: Vec<bool>,
     /// Nominal magnitudes of the states; 0 where none is known.
     nominal: Vec<f64>,
+    /// States that share a size.
+    kin: Vec<Range<usize>>,
     /// The absolute tolerances in force.
     absolute: Vec<f64>,
     /// What an automatic tolerance has learnt.
@@ -154,7 +158,7 @@ impl Learnt {
 
 impl Weights {
     pub fn new(tolerances: Tolerances) -> Self {
-        let Tolerances { relative, absolute, automatic, fixed, nominal } = tolerances;
+        let Tolerances { relative, absolute, automatic, fixed, nominal, kin } = tolerances;
         let n = absolute.len();
         let zeros = || vec![0.0; n];
         Self {
@@ -162,6 +166,7 @@ impl Weights {
             given: absolute.clone(),
             fixed,
             nominal,
+            kin,
             absolute,
             learnt: automatic.then(|| Learnt {
                 size: zeros(),
@@ -203,6 +208,14 @@ impl Weights {
             // A nominal value never hides a state that stays far below it.
             let found = (relative * SHARE * size.max(*nominal)).min(relative * size);
             *absolute = if *fixed { *given } else { given.max(found).max(least) };
+        }
+        for kin in &self.kin {
+            let sizes = learnt.size[kin.clone()].iter().zip(&learnt.ever[kin.clone()]);
+            let largest = sizes.fold(0.0, |largest: f64, (size, ever)| largest.max(size.max(FADED * ever)));
+            let states = self.absolute[kin.clone()].iter_mut().zip(&self.fixed[kin.clone()]);
+            for (absolute, _) in states.filter(|(_, fixed)| !**fixed) {
+                *absolute = absolute.max(relative * SHARE * largest);
+            }
         }
     }
 

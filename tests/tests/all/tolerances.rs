@@ -217,3 +217,65 @@ fn what_spins_and_falls_is_not_held_up_by_rounding_across() {
         assert!(run.counts.accepted < most, "{method} at {rtol:e}: {} steps", run.counts.accepted);
     }
 }
+
+/// A rod with a ball at each end that only turns about itself: the loop holds a slider still, whose speed is what the errors of all others
+/// make of nothing.
+#[test]
+fn a_speed_that_a_closed_loop_holds_at_nothing_costs_no_steps() {
+    let blocks = r#""world": World,
+        "slide": PrismaticJoint(axis: [1, 0, 0], position: 0.1, stiffness: 70), "block": Body(mass: 2),
+        "ball": SphericalJoint(rpy: [0, "30 deg", "20 deg"]),
+        "rod": Body(mass: 1, com: [0, 0.1, "-0.25 m"], moi: [0.02, 0.03, 0.01]),
+        "tip": Transform(translation: [0, 0, "-0.5 m"]), "other": SphericalJoint,
+        "pivot": Transform(translation: [-0.13492315519647707, -0.08550503583141716, -0.43301270189221935]),
+        "scope": Scope(inputs: ["x"])"#;
+    let connections = r#""world.frame <-> slide.base <-> pivot.base", "slide.follower <-> block.frame <-> ball.base",
+        "ball.follower <-> rod.frame <-> tip.base", "tip.follower <-> other.follower", "pivot.follower <-> other.base",
+        "slide.x -> scope.x""#;
+    let most =
+        [("Ode45", 150), ("RosW3", 450), ("Rodas4", 150), ("Radau5", 250), ("Ode23t", 1500), ("Auto", 250)];
+    for (method, most) in most {
+        let run = run_blocks("1 s", &format!("{method}(rtol: 1e-6)"), blocks, connections);
+        assert!(run.error.is_none(), "{method}: {:?}", run.error);
+        assert!(run.counts.accepted < most, "{method}: {:?}", run.counts);
+    }
+}
+
+/// Four bars and a spring without damping: nothing is dissipated but rounding, which an account of energy sums up.
+#[test]
+fn an_account_of_energy_is_not_followed_into_its_rounding() {
+    let four = |account: &str| {
+        let blocks = format!(
+            r#""world": World, "ground": Transform(translation: ["0.5 m", "0 m", "0 m"]),
+            "a": RevoluteJoint(axis: [0, -1, 0], position: "60 deg", velocity: "5 rad/s"), "b": RevoluteJoint(axis: [0, -1, 0]),
+            "c": RevoluteJoint(axis: [0, -1, 0], stiffness: 0.1), "d": RevoluteJoint(axis: [0, -1, 0]),
+            "left": Body(mass: "0.8 kg", com: ["0.1 m", "0 m", "0 m"], moi: ["0 kg*m^2", "0.006 kg*m^2", "0.006 kg*m^2"]),
+            "left_end": Transform(translation: ["0.2 m", "0 m", "0 m"]),
+            "coupler": Body(mass: "1.1 kg", com: ["0.2 m", "0 m", "0 m"], moi: ["0 kg*m^2", "0.01 kg*m^2", "0.01 kg*m^2"]),
+            "coupler_end": Transform(translation: ["0.45 m", "0 m", "0 m"]),
+            "right": Body(mass: "0.9 kg", com: ["0.2 m", "0 m", "0 m"], moi: ["0 kg*m^2", "0.01 kg*m^2", "0.01 kg*m^2"]),
+            "right_end": Transform(translation: ["0.4 m", "0 m", "0 m"]), "scope": Scope(inputs: ["q"]){account}"#
+        );
+        let node = if account.is_empty() {
+            ""
+        } else {
+            r#", "world.frame <-> books.node", "books.relative -> scope.share""#
+        };
+        let blocks =
+            if account.is_empty() { blocks } else { blocks.replace(r#"["q"]"#, r#"["q", "share"]"#) };
+        let connections = format!(
+            r#""world.frame <-> a.base <-> ground.base", "a.follower <-> left.frame <-> left_end.base",
+            "left_end.follower <-> b.base", "b.follower <-> coupler.frame <-> coupler_end.base",
+            "coupler_end.follower <-> c.base", "c.follower <-> right_end.follower",
+            "right_end.base <-> right.frame <-> d.follower", "d.base <-> ground.follower", "a.q -> scope.q"{node}"#
+        );
+        let run = run_blocks("2 s", "RosW3(rtol: 1e-5)", &blocks, &connections);
+        assert!(run.error.is_none(), "{:?}", run.error);
+        run
+    };
+    let (with, without) = (four(r#", "books": EnergyAccount(at: Frame)"#), four(""));
+    assert!(with.counts.accepted < 4 * without.counts.accepted, "{:?} and {:?}", with.counts, without.counts);
+    // It balances to what the method leaves.
+    assert!(with.last("scope.share").abs() < 1e-4, "{}", with.last("scope.share"));
+    assert!((with.last("scope.q") - without.last("scope.q")).abs() < 1e-2);
+}

@@ -162,7 +162,13 @@ impl Part {
 
     /// Adds a state.
     pub fn state(mut self, name: &str, initial: f64) -> Self {
-        self.states.push(State { name: name.to_owned(), initial, dimension: None, nominal: None });
+        self.states.push(State {
+            name: name.to_owned(),
+            initial,
+            dimension: None,
+            nominal: None,
+            negligible: 0.0,
+        });
         self
     }
 
@@ -178,6 +184,13 @@ impl Part {
     pub fn nominal_state(self, name: &str, initial: f64, nominal: f64) -> Self {
         let mut part = self.state(name, initial);
         part.states.iter_mut().last().into_iter().for_each(|state| state.nominal = Some(nominal));
+        part
+    }
+
+    /// Adds a state that may go on moving where everything else is steady, of which a magnitude counts as nothing.
+    pub fn drifting_sum(self, name: &str, negligible: f64) -> Self {
+        let mut part = self.drifting_state(name, 0.0);
+        part.states.iter_mut().last().into_iter().for_each(|state| state.negligible = negligible);
         part
     }
 

@@ -125,6 +125,7 @@ impl<'a> Rational<'a> {
                 initial: x0,
                 dimension: None,
                 nominal: None,
+                negligible: 0.0,
             })
             .collect();
         interface

@@ -18,7 +18,7 @@ use blocksim_block::prelude::*;
 ///
 /// A speed source whose input `dw` is not the derivative of its `w` moves masses without a torque; the error shows it.
 /// A circuit of `SwitchedInverter(integration: Separate(..))` lies outside: what its machines do at their shafts is
-/// booked as supplied. The gaps of closed loops are drawn together by a little power that is not booked.
+/// booked as supplied. The little power by which the gaps of closed loops are drawn together is booked as heat of either sign.
 ///
 /// ```ron
 /// EnergyAccount(at: Electrical, tolerance: 1e-6)
@@ -93,8 +93,8 @@ impl Component for EnergyAccount {
                 "largest energy turned over so far, at least `floor`",
             )
             .measures("relative", "1", Needs::Motion, "`error` over `turned_over`")
-            .drifting_state("supplied_energy", 0.0)
-            .drifting_state("dissipated_energy", 0.0)
+            .drifting_sum("supplied_energy", self.floor)
+            .drifting_sum("dissipated_energy", self.floor)
             .jumps()
             .element(Element::EnergyAccount { tolerance: self.tolerance, floor: self.floor })
     }

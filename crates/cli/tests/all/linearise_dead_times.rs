@@ -114,7 +114,11 @@ fn a_model_without_signals_has_its_poles_and_with_dead_times_the_number_of_those
     std::fs::write(desk.0.join("behind.ron"), &behind).unwrap();
     for (gain, growing) in [("1", 0), ("3.9", 2)] {
         let found = desk.json(&["behind.ron", "--set", &format!("k={gain}")]);
-        assert_eq!((&found["growing"], &found["poles"][0]["pole"][0]), (&growing.into(), &0.0.into()), "{gain}");
+        assert_eq!(
+            (&found["growing"], &found["poles"][0]["pole"][0]),
+            (&growing.into(), &0.0.into()),
+            "{gain}"
+        );
     }
     // A loop that is itself at the border: that is told, with all else. L = (pi / 2) exp(-s) / s.
     let border = r#"Diagram(simulation: (stop_time: "1 s"), blocks: { "gain": Gain(k: "-pi / 2 * 1 1/s"), "x": Integrator(x0: 1),

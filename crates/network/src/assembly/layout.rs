@@ -66,6 +66,9 @@ impl Network {
         for (name, start) in rotation.names.iter().zip(&rotation.start) {
             interface = interface.state(name.clone(), *start);
         }
+        if !frames.loops.is_empty() {
+            interface.kin = vec![0..positions, positions..positions + rotation.free];
+        }
         let mut separate = Separate::of(&electrics);
         for island in &mut separate {
             for name in [

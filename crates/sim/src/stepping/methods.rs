@@ -25,8 +25,12 @@ pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
             };
             for block in &schedule.blocks {
                 for (i, state) in block.interface.states.iter().enumerate() {
-                    tolerances.nominal[block.x + i] = state.nominal.unwrap_or(0.0);
+                    let x = block.x + i;
+                    tolerances.nominal[x] = state.nominal.unwrap_or(0.0);
+                    tolerances.absolute[x] = tolerances.absolute[x].max(rtol * state.negligible);
                 }
+                let kin = block.interface.kin.iter();
+                tolerances.kin.extend(kin.map(|own| block.x + own.start..block.x + own.end));
             }
             for given in &schedule.settings.atol {
                 given.states.iter().for_each(|&state| tolerances.fix(state, given.value));

@@ -421,6 +421,7 @@ fn tangent_instance(
         initial: *slope,
         dimension: None,
         nominal: None,
+        negligible: 0.0,
     });
     let discrete = instance.interface.discrete.iter().zip(d);
     let held = discrete.clone().map(|(state, (value, _))| Discrete::new(state.name(), *value));
