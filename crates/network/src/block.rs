@@ -131,6 +131,7 @@ impl Block for Network {
                 d[self.stiction.sources.clone()][..w.s.len()].copy_from_slice(&w.s);
             }
         }
+        self.strike_circuits(c, &before, x, d);
         (w.before, w.modes) = (before, modes);
         let here = Context { x: &[], d: &[], ..*c };
         for island in &self.active.valves {

@@ -136,6 +136,8 @@ pub(crate) struct Held {
     /// Speed and acceleration of each pin at the beginning of the step.
     pub speed: Range<usize>,
     pub acceleration: Range<usize>,
+    /// By how much the speed of each pin has jumped since then.
+    pub struck: Range<usize>,
     /// Speed of each pin that is expected at the end of the step, and how much more than by torques and accelerations at its
     /// beginning the speeds have changed in the last step and in the one before.
     pub expected: Range<usize>,

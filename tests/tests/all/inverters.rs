@@ -577,3 +577,47 @@ fn a_sample_time_that_has_nothing_to_do_with_a_circuit_changes_nothing() {
         assert!((found - right).abs() < 1e-5 * right, "{ts}: {found} rad/s, not {right} rad/s");
     }
 }
+
+/// What strikes the shaft of a machine strikes the machine: its circuit went on with the speed before until the end of the coupling step, which
+/// put speeds off by 9e-3 of their greatest.
+#[test]
+fn a_shaft_that_is_struck_changes_its_speed_within_a_coupling_step() {
+    let text = |inputs: &str, integration: &str, rtol: &str| {
+        format!(
+            r#"Diagram(
+    simulation: (stop_time: "0.3 s", solver: Ode45(rtol: {rtol}), output: Every("2 ms")),
+    blocks: {{
+        {inputs}
+        "inverter": SwitchedInverter(vdc: "400 V", switching_frequency: "4 kHz", integration: {integration}),
+        "machine": PermanentMagnetMachine(pole_pairs: 2, r_s: "0.4 ohm", l_d: "3 mH", l_q: "5 mH", flux: "0.25 Wb"),
+        "rotor": Inertia(j: 0.02), "frame": RotationalReference, "load": RotationalDamper(d: 0.05),
+        "stop": RotationalRigidStop(lower: -1, upper: 3, restitution: 0.5), "encoder": MotionSensor, "s": Scope(inputs: ["w"]),
+    }},
+    connections: [
+        "v.y -> inverter.v", "f.y -> inverter.f", "inverter.ac <-> machine.ac", "encoder.w -> s.w",
+        "machine.r <-> rotor.r <-> load.r <-> encoder.r <-> stop.r",
+        "frame.r <-> machine.c <-> load.c <-> encoder.c <-> stop.c",
+    ],
+)"#
+        )
+    };
+    let at = |run: &Run| -> Vec<f64> {
+        let row = |t: f64| run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row");
+        (0..=150).map(|k| run.column("s.w")[row(2e-3 * f64::from(k))]).collect()
+    };
+    for inputs in [
+        r#""v": Ramp(slope: "450 V/s", initial: "15 V"), "f": Ramp(slope: "200 Hz/s"),"#,
+        // Inputs that never move, of which nobody is told at the ends of steps.
+        r#""v": Constant(value: "60 V"), "f": Constant(value: "15 Hz"),"#,
+    ] {
+        let exact = run_text(&text(inputs, "Together", "1e-9"));
+        assert!(exact.events.iter().any(|event| event.1 == "stop"), "{:?}", exact.events);
+        let exact = at(&exact);
+        let size = exact.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
+        for periods in [1, 4] {
+            let run = run_text(&text(inputs, &format!("Separate(periods: {periods})"), "1e-6"));
+            let off = at(&run).iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / size;
+            assert!(off < 3e-5, "{inputs}, {periods} periods: off by {off:.1e}");
+        }
+    }
+}

@@ -481,3 +481,56 @@ fn a_part_that_is_held_stays_where_what_slides_on_it_reverses() {
         }
     }
 }
+
+/// Between shafts that turn as one nothing slips: whatever is put there, the rest is what it was without it.
+#[test]
+fn what_can_never_slip_changes_nothing_elsewhere() {
+    let of = |solver: &str, between: &str| {
+        let (kind, pins) = match between {
+            "" => (String::new(), String::new()),
+            kind => (format!(r#""o": {kind},"#), r#", "g.base <-> o.c", "g.follower <-> o.r""#.to_owned()),
+        };
+        let run = run_blocks(
+            "2 s",
+            solver,
+            &format!(
+                r#""h": RotationalReference, {kind}
+                   "f": RotationalFriction(breakaway: 1.01, breakaway_velocity: 0, coulomb: 1.01, model: Stiction),
+                   "q": RotationalFriction(breakaway: 2.618, breakaway_velocity: 0, coulomb: 1.87, model: Stiction),
+                   "g": SimpleGear(ratio: 1, direction: Same), "u": Inertia(j: 0.3), "y": Inertia(j: 0.18), "x": Inertia(j: 0.822),
+                   "sy": Sine(amplitude: "1.73 N*m", frequency: 1.98, phase: 0.33), "ty": IdealTorqueSource,
+                   "sx": Sine(amplitude: "7.9 N*m", frequency: 0.56, phase: -0.7), "tx": IdealTorqueSource,
+                   "on_x": MotionSensor, "on_y": MotionSensor, "scope": Scope(inputs: ["x", "y"])"#
+            ),
+            &format!(
+                r#""sy.y -> ty.tau", "sx.y -> tx.tau", "h.r <-> q.c <-> ty.c <-> tx.c <-> on_x.c <-> on_y.c",
+                   "f.r <-> q.r <-> y.r <-> ty.r <-> on_y.r", "f.c <-> g.base <-> tx.r <-> u.r", "g.follower <-> x.r <-> on_x.r",
+                   "on_x.w -> scope.x", "on_y.w -> scope.y"{pins}"#
+            ),
+        );
+        let events: Vec<(f64, String)> = run
+            .events
+            .iter()
+            .filter(|event| event.1 != "o")
+            .map(|event| (event.0, event.2.clone()))
+            .collect();
+        (events, run.last("scope.x"), run.last("scope.y"))
+    };
+    for solver in ["Ode45(rtol: 1e-9)", "Radau5(rtol: 1e-8)"] {
+        let plain = of(solver, "");
+        assert!(plain.0.len() > 5, "{:?}", plain.0);
+        for between in [
+            "OneWayClutch",
+            "RotationalRigidStop(lower: -1, upper: 1)",
+            "RotationalFriction(breakaway: 2, breakaway_velocity: 0, coulomb: 1, model: Stiction)",
+        ] {
+            let with = of(solver, between);
+            assert_eq!(with.0.len(), plain.0.len(), "{solver}, {between}: {:?} and {:?}", with.0, plain.0);
+            for (a, b) in with.0.iter().zip(&plain.0) {
+                assert!((a.0 - b.0).abs() < 1e-7 && a.1 == b.1, "{solver}, {between}: {a:?} and {b:?}");
+            }
+            close(with.1, plain.1, 1e-7);
+            close(with.2, plain.2, 1e-7);
+        }
+    }
+}

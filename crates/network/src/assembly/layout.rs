@@ -489,6 +489,7 @@ fn hold(
     let given = cells("given", branches);
     let speed = cells("speed", pins);
     let acceleration = cells("acceleration", pins);
+    let struck = cells("struck", pins);
     let expected = cells("expected", pins);
     let bent = cells("bent", pins);
     let bent_before = cells("bent_before", pins);
@@ -508,6 +509,7 @@ fn hold(
         given,
         speed,
         acceleration,
+        struck,
         expected,
         bent,
         bent_before,

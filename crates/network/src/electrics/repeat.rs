@@ -1,6 +1,6 @@
 //! What has passed of a coupling step, integrated once more with the inputs and the speeds as they have been.
 //!
-//! A circuit is integrated over a step before its inputs are known there. Where one has gone on otherwise than was expected, the
+//! A circuit is integrated over a step before its inputs are known there, and what strikes its shaft. Where one has gone on otherwise than was expected, the
 //! step is integrated once more at its end, and where one jumps within a step, that ends at the jump and what is left of it begins
 //! with the new inputs, so that the grid of the hits stays. Either way the circuit is then what its inputs have made of it. The
 //! mechanics has had the torque that was expected: the impulse that it lacks is given in what comes next.
@@ -16,8 +16,11 @@ use crate::work::circuits::Room;
 /// What stands for a step that is what is left of one. In two more of them the torques know of the impulse that was owed.
 pub(crate) const CUT: f64 = 3.0;
 
+/// Part of a speed by which it jumps where something strikes.
+const IMPACT: f64 = 1e-6;
+
 impl Network {
-    /// Ends the step of a circuit now, where an input jumps, and integrates over what is left of it.
+    /// Ends the step of a circuit now, where an input or a speed jumps, and integrates over what is left of it.
     pub(crate) fn cut(
         &self,
         separate: &Separate,
@@ -52,6 +55,33 @@ impl Network {
         self.expect_inputs(separate, d, room);
         self.note_error(separate, false, w, room, d);
         Ok(())
+    }
+
+    /// Notes that speeds have jumped, and ends the steps of the circuits that they belong to: what strikes a shaft strikes its machine.
+    /// `before` are the states before.
+    pub(crate) fn strike_circuits(&self, c: &Context, before: &[f64], x: &[f64], d: &mut [f64]) {
+        let free = self.positions..self.positions + self.rotation.free;
+        let (before, after) = (&before[free.clone()], &x[free]);
+        if self.separate.is_empty() || before == after {
+            return;
+        }
+        let mut is_struck = false;
+        for seat in self.separate.iter().flat_map(|separate| &separate.members).map(|i| &self.seats[*i]) {
+            let Some(held) = &seat.held else { continue };
+            for (k, pin) in seat.pins.clone().enumerate() {
+                let form = &self.rotation.pins[pin].speed;
+                let (from, to) = (form.of(before), form.of(after));
+                // What comes to rest was at zero but for rounding.
+                if (to - from).abs() > IMPACT * (from.abs() + to.abs() + d[held.speed.start + k].abs()) {
+                    d[held.struck.start + k] += to - from;
+                    is_struck = true;
+                }
+            }
+        }
+        if is_struck {
+            self.note_inputs(c, d);
+            self.separate.iter().for_each(|separate| d[separate.cells().interrupted] = 1.0);
+        }
     }
 
     /// Integrates a circuit once more from the beginning of its last step up to now, and notes what the mechanics lacks of the impulse.
@@ -113,7 +143,8 @@ impl Network {
             for (k, pin) in seat.pins.clone().enumerate() {
                 past_speed[pin] = d[held.speed.start + k];
                 past_acceleration[pin] = d[held.acceleration.start + k];
-                bend[pin] = speed[pin] - past_speed[pin] - *step * past_acceleration[pin];
+                let came_to = speed[pin] - d[held.struck.start + k];
+                bend[pin] = came_to - past_speed[pin] - *step * past_acceleration[pin];
             }
         }
     }

@@ -280,6 +280,7 @@ impl Network {
                     d[mean] = room.average[mean] / step;
                 }
             }
+            d[held.struck.clone()].fill(0.0);
             d[held.expected.clone()].copy_from_slice(&w.pin_speed[seat.pins.clone()]);
             d[held.speed.clone()].copy_from_slice(&room.speed[seat.pins.clone()]);
             d[held.acceleration.clone()].copy_from_slice(&room.acceleration[seat.pins.clone()]);

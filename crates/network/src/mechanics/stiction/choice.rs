@@ -351,10 +351,14 @@ impl Network {
             };
         }
         let side = usize::from(mode < 0.0);
+        let (form, prescribed) = self.sticky(i);
+        if form.is_empty() && prescribed.is_empty() {
+            // Between parts that turn as one nothing ever slips, and no mode is wrong.
+            return None;
+        }
         if grip.hold[side] == f64::INFINITY || self.jam(i, mode, w) < 0.0 {
             return Some(0.0);
         }
-        let (form, prescribed) = self.sticky(i);
         let acceleration = mode * (form.of(&w.dv) + prescribed.of(&w.ds));
         if acceleration >= 0.0 {
             return None;
