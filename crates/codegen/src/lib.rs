@@ -67,6 +67,8 @@ pub struct Generated {
     pub test_steps: usize,
     /// Functions of the mathematical library that the code calls and whose last digit is up to that library.
     pub functions: Vec<String>,
+    /// What is doubtful about the method and its step.
+    pub warnings: Vec<Problem>,
 }
 
 /// Translates a part.

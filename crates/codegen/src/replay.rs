@@ -29,6 +29,8 @@ pub(crate) struct Start {
 pub(crate) struct Record {
     pub inputs: Vec<Vec<f64>>,
     pub outputs: Vec<Vec<f64>>,
+    /// What the engine says of the steps and the method of the target: the code does the same, be it good or bad.
+    pub warnings: Vec<Problem>,
 }
 
 /// Who looks at signals between runs, not at rows.
@@ -86,7 +88,14 @@ pub(crate) fn record(selected: &Selected, start: &Start) -> Result<Record, Probl
     let mut simulation = Simulation::new(Arc::new(alone(selected, start, &inputs))).map_err(failed)?;
     let cells: Vec<usize> = selected.part.outputs.iter().flat_map(crate::Port::cells).collect();
     let outputs = rows(&mut simulation, selected, &cells, count)?;
-    Ok(Record { inputs, outputs })
+    let warnings = simulation.warnings().into_iter().filter(|warning| warning.code == "coarse_step");
+    let warnings = warnings.map(|Problem { message, .. }| {
+        Problem::warning("coarse_step", message).help(
+            "the code does the same as this simulation: shorten `--rate`, or take `--method rk4` for `euler`, and compare with a run \
+             of the model by a method that chooses its steps",
+        )
+    });
+    Ok(Record { inputs, outputs, warnings: warnings.collect() })
 }
 
 /// The values of some signals at each step of the target.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::plot::tolerance;
+use super::plot::{duration, tolerance};
 use super::values::{positive, time};
 
 /// `blocksim grade`.
@@ -31,6 +31,10 @@ pub struct GradeArgs {
     /// would allow nothing where a signal passes zero; without any, 1e-3.
     #[arg(long, value_name = "X", value_parser = positive)]
     pub range: Option<f64>,
+    /// How much earlier or later a value may come: where signals jump, other steps of the solver come a little beside. A ten-thousandth of
+    /// the time that the reference runs for, if not given.
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub time_tolerance: Option<f64>,
     /// Longest time that a project may take to be built and to run.
     #[arg(long, value_name = "TIME", value_parser = time, default_value = "60s")]
     pub limit: f64,

@@ -266,7 +266,8 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-fn duration(text: &str) -> Result<f64, String> {
+/// A time that is allowed, s: not below zero.
+pub fn duration(text: &str) -> Result<f64, String> {
     moment(text).and_then(|t| if t >= 0.0 { Ok(t) } else { Err("a tolerance is not below zero".to_owned()) })
 }
 

@@ -143,6 +143,8 @@ fn another_solver_agrees_where_signals_pass_zero_and_what_differs_there_is_named
         "1e-2",
         "--abs",
         "0",
+        "--time-tolerance",
+        "0",
         "--json",
     ];
     let answer = desk.call(&words);
@@ -153,6 +155,33 @@ fn another_solver_agrees_where_signals_pass_zero_and_what_differs_there_is_named
     let first = &signals.iter().find(|signal| signal["agrees"] == false).expect("one that differs")["first"];
     let time = blocksim_numbers::format::significant(first["time"].as_f64().expect("a time"), 4);
     assert!(told["reason"].as_str().is_some_and(|reason| reason.contains(&format!("at {time} s"))), "{told}");
+}
+
+#[test]
+fn jumps_that_come_a_little_beside_agree() {
+    let model = |rtol: &str, on: &str| {
+        format!(
+            r#"Diagram(
+    simulation: (stop_time: "20 min", solver: Auto(rtol: {rtol})),
+    blocks: {{ "set": Constant(value: 120), "error": Sum(signs: "+-"), "relay": Relay(on_at: {on}, off_at: -3, on: 400, off: 0),
+               "oven": TransferFunction(num: [1.0], den: [1500.0, 2.0]), "scope": Scope(inputs: ["heater"]) }},
+    connections: ["set.y -> error.u1", "error.y -> relay.u", "relay.y -> oven.u, scope.heater", "oven.y -> error.u2"],
+)
+"#
+        )
+    };
+    let desk = Desk::with(&[("loop.ron", &model("1e-4", "3"))]);
+    for (name, rtol, on) in [("anna", "1e-8", "3"), ("bert", "1e-4", "4")] {
+        let folder = desk.0.join("students").join(name);
+        fs::create_dir_all(&folder).expect("a folder");
+        fs::write(folder.join("loop.ron"), model(rtol, on)).expect("a model");
+    }
+    let words = ["grade", "students", "--against", "loop.ron", "--out"];
+    let answer = desk.call(&[&words[..], &["graded"]].concat());
+    let lines: Vec<&str> = answer.out.lines().collect();
+    assert!(lines[0].ends_with("agrees") && lines[1].contains("differs"), "{lines:?} {}", answer.err);
+    let answer = desk.call(&[&words[..], &["strict", "--time-tolerance", "0"]].concat());
+    assert!(answer.out.lines().next().is_some_and(|line| line.contains("differs")), "{}", answer.out);
 }
 
 #[test]

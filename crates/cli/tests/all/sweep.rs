@@ -94,6 +94,13 @@ fn a_value_that_the_model_refuses_leaves_the_other_runs_alone() {
     assert_eq!(std::fs::read_to_string(desk.0.join("table.csv")).expect("the table"), table);
     let replaced = desk.sweep(&["lag.ron", "--over", "tau=0.1 s", "--out", "table.csv", "--yes"]);
     assert_eq!(replaced.status.code(), Some(0), "{}", said(&replaced));
+    // The first of them is no other than the rest; where all are refused, it is the model.
+    let first = desk.sweep(&["lag.ron", "--over", "tau=-0.1 s,0.1 s", "--out", "first.csv"]);
+    assert_eq!(first.status.code(), Some(1), "{}", said(&first));
+    let table = std::fs::read_to_string(desk.0.join("first.csv")).expect("the table");
+    assert!(table.lines().nth(1).is_some_and(|line| line.starts_with("-0.1 s,,,,,,")), "{table}");
+    let none = desk.sweep(&["lag.ron", "--over", "tau=-0.1 s,-0.2 s"]);
+    assert!(none.status.code() == Some(3) && said(&none).contains("nothing was run"), "{}", said(&none));
 }
 
 #[test]

@@ -47,6 +47,7 @@ pub(crate) fn write(selected: &Selected, start: &Start, programs: &Programs, rec
         ],
         test_steps: record.outputs.len(),
         functions: writer.needs.functions.iter().cloned().collect(),
+        warnings: record.warnings.clone(),
         name,
     }
 }
@@ -458,6 +459,16 @@ impl Writer<'_> {
 
     fn readme(&self, record: &Record) -> String {
         let Self { name, .. } = self;
+        let method = match self.selected().target.method {
+            Some(Method::Euler) => " by Euler's method, as the code has it",
+            Some(Method::Rk4) => " by the method of Runge and Kutta, as the code has it",
+            None => "",
+        };
+        let doubts: String = record
+            .warnings
+            .iter()
+            .map(|warning| format!("\nThis is not what the model does: {}.\n", warning.message))
+            .collect();
         let functions: Vec<String> =
             self.needs.functions.iter().map(|function| format!("`{function}`")).collect();
         let accuracy = if self.layout.is_single() {
@@ -477,8 +488,8 @@ impl Writer<'_> {
             "# {name}: {}\n\n\
              `{name}.h` and `{name}.c` are C99 for a target: `{name}_init` once, then `{name}_step` every {} s. All values are in SI \
              units.\n\n\
-             `{name}_test.c` holds the code against {} steps of a simulation of the same part, whose inputs are held for a step. \
-             Compile and run it:\n\n```\n{}\n./{name}_test\n```\n\n{accuracy}\n",
+             `{name}_test.c` holds the code against {} steps of a simulation of the same part{method}, whose inputs are held for a step. \
+             Compile and run it:\n\n```\n{}\n./{name}_test\n```\n\n{accuracy}\n{doubts}",
             self.what(),
             self.step(),
             record.outputs.len(),

@@ -159,6 +159,33 @@ fn a_whole_diagram_without_inputs() {
     assert_eq!(run(&made), "4001 steps as in the simulation\n");
 }
 
+/// A lag of 3 ms in steps of 10 ms is beyond what the method bears: the test of the code agrees, and that is no good sign.
+#[test]
+fn a_step_that_is_too_long_for_a_state_is_told() {
+    let main = r#"Diagram(
+    simulation: (stop_time: "1 s"),
+    blocks: { "wave": Sine(frequency: "1 Hz"), "lag": LowPass(tau: "3 ms"), "show": Scope },
+    connections: ["wave.y -> lag.u", "lag.y -> show.u"],
+)"#;
+    let whole = Loop::new(main, "");
+    for (method, step, is_told) in [
+        (Method::Rk4, 10e-3, true),
+        (Method::Euler, 10e-3, true),
+        (Method::Rk4, 1e-3, false),
+        (Method::Euler, 1e-4, false),
+    ] {
+        let target = Target { method: Some(method), ..every(step) };
+        let made = generate(&whole.schedule, &Part::whole(&whole.schedule), &target)
+            .unwrap_or_else(|problems| panic!("{}", told(&problems)));
+        assert_eq!(made.warnings.len(), usize::from(is_told), "{method:?}, {step}: {:?}", made.warnings);
+        let says = made
+            .files
+            .iter()
+            .any(|(name, text)| name.ends_with(".md") && text.contains("too long for `lag.x`"));
+        assert_eq!(says, is_told, "{method:?}, {step}");
+    }
+}
+
 #[test]
 fn single_precision_follows() {
     agrees(&around(), PID, &Target { float: true, ..every(1e-3) });

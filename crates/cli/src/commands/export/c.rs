@@ -7,6 +7,7 @@ use blocksim_codegen::{Method, Part, Target, generate};
 use blocksim_diagram::{Content, Model, ModelBlock, Sources, origins};
 
 use crate::args::export_c::{ExportCArgs, MethodName};
+use crate::commands::tell;
 use crate::disk::{Disk, free, reason, write_file};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
@@ -47,6 +48,7 @@ pub(super) fn export(args: &ExportCArgs, console: Console) -> Outcome {
         Failure::unwritable(said).help("name another folder with --out")
     })?;
     files.iter().try_for_each(|(path, text)| write_file(path, text.as_bytes(), args.yes))?;
+    tell(&made.warnings, &[], console)?;
     console.data(&files.iter().map(|(path, _)| format!("{}\n", path.display())).collect::<String>())?;
     console.say(&format!(
         "{} and {} every {:?} s; {}.md shows how to compile the test, which has {}",

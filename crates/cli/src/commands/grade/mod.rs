@@ -25,6 +25,8 @@ use crate::terminal::render::plural;
 
 /// Name of the run that the others are compared with.
 const REFERENCE: &str = "reference";
+/// Part of the time that the reference runs for by which a value may come early or late.
+const BESIDE: f64 = 1e-4;
 /// The page of all, without its ending.
 const INDEX: &str = "index";
 /// Relative tolerance where none is given.
@@ -95,6 +97,8 @@ pub fn grade(args: &GradeArgs, console: Console) -> Outcome {
         let said = format!("the reference `{}` cannot be used: {why}", args.against.display());
         return Err(Failure::new(Exit::Model, "grade", said).help("correct it first; nothing was graded"));
     }
+    let done = ran.lines().find(|line| line["type"] == "done");
+    let duration = done.and_then(|line| line["simulated_time"].as_f64()).unwrap_or(0.0);
     let mut all = Vec::new();
     for (at, (project, model)) in projects.iter().enumerate() {
         if interrupt::is_requested() {
@@ -103,7 +107,7 @@ pub fn grade(args: &GradeArgs, console: Console) -> Outcome {
         if console.live && !args.json {
             console.rewrite(&format!("  Grading {} of {}: {project}", at + 1, projects.len()));
         }
-        let graded = one(project, model, &reference, args, limit)?;
+        let graded = one(project, model, (&reference, duration), args, limit)?;
         if console.live && !args.json {
             console.rewrite("");
         }
@@ -173,7 +177,7 @@ fn run(model: &Path, out: &Path, args: &GradeArgs, limit: Duration) -> Result<Sa
 fn one(
     project: &str,
     model: &Path,
-    reference: &Path,
+    (reference, duration): (&Path, f64),
     args: &GradeArgs,
     limit: Duration,
 ) -> Result<Graded, Failure> {
@@ -200,8 +204,9 @@ fn one(
     let rel = args.rel.or(is_bare.then_some(USUAL));
     let range = if is_bare { rel } else { args.range };
     let shares = [("--rel", rel), ("--range", range)];
-    let shares: Vec<String> =
+    let mut shares: Vec<String> =
         shares.into_iter().filter_map(|(name, x)| Some(format!("{name}={}", x?))).collect();
+    shares.push(format!("--time-tolerance={:?}", args.time_tolerance.unwrap_or(BESIDE * duration)));
     let (picture, page) = (args.out.join(format!("{project}.svg")), args.out.join(format!("{project}.html")));
     let signals = args.signals.join(",");
     let mut words: Vec<&std::ffi::OsStr> =

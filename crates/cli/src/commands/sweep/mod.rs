@@ -21,7 +21,7 @@ use crate::commands::tell;
 use crate::disk::{free, write_file};
 use crate::exit::Exit;
 use crate::failure::{Failure, Outcome};
-use crate::loaded::load;
+use crate::loaded::{Loaded, load};
 use crate::running::{interrupt, parallel};
 use crate::terminal::console::Console;
 use crate::terminal::render::plural;
@@ -54,8 +54,7 @@ pub fn sweep(args: &SweepArgs, console: Console) -> Outcome {
         free(file, args.yes)?;
     }
     // What is wrong with the model, and not with a value, is told once and before anything is run.
-    let mut first = load(&model(args, &plan.values(0)), Purpose::Run)?;
-    first.take_schedule("nothing was run", console)?;
+    let first = sound(args, &plan, console)?;
     if let Some(understood) = first.understood() {
         console.say(&format!("first run: {understood}"));
     }
@@ -84,6 +83,33 @@ pub fn sweep(args: &SweepArgs, console: Console) -> Outcome {
     tell_warnings(&warnings, console)?;
     finish(args, rows, console)
 }
+
+/// The model with the first values that it accepts, of some all over the combinations; where it accepts none, what is wrong with the first.
+fn sound(args: &SweepArgs, plan: &Combinations, console: Console) -> Result<Loaded, Failure> {
+    let runs = plan.runs();
+    let tries = runs.min(TRIES);
+    let numbers = (0..tries).map(|k| k * (runs - 1) / (tries - 1).max(1));
+    let mut wrong = None;
+    for number in numbers {
+        let loaded = load(&model(args, &plan.values(number)), Purpose::Run);
+        let sound = loaded.and_then(|mut loaded| match loaded.compiled.schedule {
+            Some(_) => Ok(loaded),
+            // Warnings are told of the model that is taken alone.
+            None => loaded.take_schedule("nothing was run", console).map(|_| loaded),
+        });
+        match sound {
+            Ok(mut loaded) => {
+                loaded.take_schedule("nothing was run", console)?;
+                return Ok(loaded);
+            }
+            Err(failure) => wrong = wrong.or(Some(failure)),
+        }
+    }
+    wrong.map_or_else(|| Err(Failure::usage("there is nothing to run")), Err)
+}
+
+/// Combinations that are tried to tell a wrong value from a wrong model.
+const TRIES: usize = 9;
 
 /// Tells what blocks say of their approximations in the first run in which they say something, and in how many they do.
 fn tell_warnings(of_runs: &[Vec<Problem>], console: Console) -> io::Result<()> {
