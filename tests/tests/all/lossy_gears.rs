@@ -268,3 +268,39 @@ fn gears_that_lock_each_other_stand() {
         assert_eq!((run.last("scope.x"), run.last("scope.y")), (0.0, 0.0), "{loss}");
     }
 }
+
+/// A load that holds more at rest than while it slides breaks loose where the gear gives it that much: T = eta T_B, or T = T_B / eta where the
+/// friction is at the base and the load drives. As long as the mesh stands it bears the rest.
+#[test]
+fn a_load_behind_a_lossy_gear_breaks_loose_where_the_gear_gives_what_it_holds() {
+    let held = 1.6;
+    let bearing =
+        format!("RotationalFriction(breakaway: {held}, breakaway_velocity: 0, coulomb: 1, model: Stiction)");
+    for brake in [&*bearing, "Brake(torque: 1, peak: 1.6)"] {
+        let engaged = if brake.starts_with("Brake") { r#""one.y -> f.engaged","# } else { "" };
+        for (efficiency, ratio) in [(0.8, 1.0), (0.5, 1.0), (0.8, 4.0)] {
+            // Driven from the base with the friction at the follower, and the other way round.
+            for is_forward in [true, false] {
+                let (driven, loaded) = if is_forward { ("base", "follower") } else { ("follower", "base") };
+                let expected = match is_forward {
+                    true => held / (efficiency * ratio),
+                    false => held * ratio / efficiency,
+                };
+                let text = format!(
+                    r#"Diagram(simulation: (stop_time: "{:?} s", solver: Ode45(rtol: 1e-8)), blocks: {{
+                        "g": SimpleGear(ratio: {ratio:?}, direction: Same, efficiency: {efficiency}, loss: Stiction), "f": {brake},
+                        "x": Inertia(j: 0.1), "y": Inertia(j: 0.1), "r": Ramp(slope: "1 N*m/s"), "t": IdealTorqueSource,
+                        "h": RotationalReference, "one": Constant(value: 1), "end": Terminator }},
+                       connections: [ "r.y -> t.tau", {engaged} "one.y -> end.u", "t.r <-> x.r <-> g.{driven}",
+                        "g.{loaded} <-> f.r <-> y.r", "t.c <-> h.r <-> f.c" ])"#,
+                    expected + 0.1
+                );
+                let (compiled, problems) = compile_text(&text);
+                let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+                assert!(run.error.is_none(), "{:?}", run.error);
+                let slips = run.events.iter().find(|event| event.1 == "g").expect("the gear turns").0;
+                close(slips, expected, 1e-8 * expected);
+            }
+        }
+    }
+}

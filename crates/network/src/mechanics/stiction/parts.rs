@@ -6,6 +6,8 @@ use blocksim_block::event::{Event, Subject};
 use blocksim_block::physical::LossModel;
 use blocksim_block::{Crossing, Discrete, Guard, Interface};
 
+use super::ROUNDING;
+use crate::assembly::eliminate::Form;
 use crate::mechanics::rotation::Rotation;
 use crate::seat::Seat;
 
@@ -25,6 +27,23 @@ pub(crate) struct Stiction {
     pub(super) frictions: usize,
     /// Index of the first friction among the branches.
     pub(super) first: usize,
+    /// Meshes that cannot stand without each friction, nor it without them: all turn by fixed ratios.
+    pub(super) beside: Vec<Vec<usize>>,
+}
+
+/// Whether one speed is the other one times a ratio, whatever moves.
+fn are_parallel(a: (&Form, &Form), b: (&Form, &Form)) -> bool {
+    let Some(ratio) = a.0.terms().first().zip(b.0.terms().first()).map(|(a, b)| a.1 / b.1) else {
+        return false;
+    };
+    let same = |a: &Form, b: &Form| {
+        let terms = || a.terms().iter().zip(b.terms());
+        let agree = |((i, x), (k, y)): (&(u32, f64), &(u32, f64))| {
+            i == k && (x - ratio * y).abs() <= ROUNDING * x.abs()
+        };
+        a.terms().len() == b.terms().len() && terms().all(agree)
+    };
+    same(a.0, b.0) && same(a.1, b.1)
 }
 
 /// Where something that sticks is.
@@ -78,7 +97,18 @@ impl Stiction {
             }
             interface.accepts = true;
         }
+        let forms = |place: &Place| match place {
+            Place::Pin(pin) => (&rotation.pins[*pin].speed, &rotation.pins[*pin].prescribed),
+            Place::Gear(gear) => (&rotation.gears[*gear].base, &rotation.gears[*gear].base_prescribed),
+        };
+        let beside = |friction: &Place| {
+            let of = forms(friction);
+            let meshes = parts.iter().enumerate().skip(frictions);
+            meshes.filter(|(_, mesh)| are_parallel(of, forms(mesh))).map(|(i, _)| i).collect()
+        };
+        let beside = parts[..frictions].iter().map(beside).collect();
         Self {
+            beside,
             sources: first_source..interface.discrete.len(),
             modes: d..d + parts.len(),
             guards: g..g + parts.len(),

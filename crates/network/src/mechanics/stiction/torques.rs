@@ -21,9 +21,16 @@ impl Network {
             }
         }
         let torques = w.torque[self.stiction.first..].iter_mut();
-        for ((torque, grip), mode) in torques.zip(&grip).zip(self.stiction.of(c.d)) {
+        let modes = self.stiction.of(c.d);
+        for (((torque, grip), mode), beside) in torques.zip(&grip).zip(modes).zip(&self.stiction.beside) {
+            // A mesh that stands keeps it from sliding: it bears all that it can hold, and the mesh the rest.
+            let stands = beside.iter().any(|mesh| modes[*mesh] == 0.0);
+            let side = usize::from(*mode < 0.0);
             *torque = match *mode {
                 OPEN => Torque::default(),
+                m if stands && m.abs() == 1.0 && grip.hold[side].is_finite() => {
+                    Torque { value: m * grip.hold[side], slope: 0.0 }
+                }
                 m if m > 0.0 => grip.slide[0],
                 m if m < 0.0 => Torque { value: -grip.slide[1].value, slope: grip.slide[1].slope },
                 _ => Torque::default(),
