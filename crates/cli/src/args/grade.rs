@@ -18,7 +18,7 @@ pub struct GradeArgs {
     /// Folder for the runs and the page, which must be new or empty.
     #[arg(short, long, value_name = "DIR", default_value = "graded")]
     pub out: PathBuf,
-    /// Signals that are compared; without it all that both record.
+    /// Signals that are compared; without it all that the reference records.
     #[arg(long, value_name = "PATTERN", value_delimiter = ',')]
     pub signals: Vec<String>,
     /// Absolute tolerance, such as `0.1deg` or `2 N*m`, for signals of this kind; a plain number holds for all, in SI. May be repeated.

@@ -122,3 +122,24 @@ fn a_subsystem_around_blocks_runs_to_the_same_bits() {
     assert!(shared.err.contains("--all"), "{}", shared.err);
     assert_eq!(desk.call(&["edit", "delete", "loop.ron", "plant/k", "--all"]).code, Some(0));
 }
+
+/// `**` means the outputs of the new subsystem as well, which are no other signals.
+#[test]
+fn a_pattern_for_everything_does_not_stand_in_the_way_of_a_subsystem() {
+    let model = r#"Diagram(
+    simulation: (stop_time: "1 s"),
+    blocks: { "s": Sine(amplitude: 1, frequency: 1), "g": Gain(k: 2), "i": Integrator },
+    connections: ["s.y -> g.u", "g.y -> i.u"],
+    record: ["RECORD"],
+)
+"#;
+    let desk = Desk::with(&[
+        ("all.ron", &model.replace("RECORD", "**")),
+        ("some.ron", &model.replace("RECORD", "g.*")),
+    ]);
+    let wrapped = desk.call(&["edit", "wrap", "all.ron", "g", "--name", "sub"]);
+    assert_eq!(wrapped.code, Some(0), "{}", wrapped.err);
+    let run = desk.call(&["run", "all.ron", "--quiet", "--out", "run"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(desk.read("run/signals.csv").lines().next().is_some_and(|names| names.contains("sub/g.y")));
+}

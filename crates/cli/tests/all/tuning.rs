@@ -54,6 +54,7 @@ fn parameters_change_at_their_times_and_are_events() {
     );
     let untouched = desk.call(&["run", "decay.ron", "--quiet", "--out", "plain", "--change", "3s:k.k=5"]);
     assert_eq!(untouched.code, Some(0));
+    assert!(untouched.err.contains("at 3 s, after the end of the run at 2 s"), "{}", untouched.err);
     assert!((last(&desk, "plain") - (-2.0_f64).exp()).abs() < 1e-8, "a change after the end has no effect");
 }
 

@@ -41,8 +41,33 @@ const TAKEN: &[&str] = &[
     "void",
     "volatile",
     "while",
+    // Macros of the headers that the code and its test include, and of compilers.
     "INFINITY",
     "NAN",
+    "NULL",
+    "EOF",
+    "HUGE_VAL",
+    "HUGE_VALF",
+    "HUGE_VALL",
+    "EXIT_SUCCESS",
+    "EXIT_FAILURE",
+    "RAND_MAX",
+    "MB_CUR_MAX",
+    "BUFSIZ",
+    "FOPEN_MAX",
+    "FILENAME_MAX",
+    "TMP_MAX",
+    "SEEK_SET",
+    "SEEK_CUR",
+    "SEEK_END",
+    "stdin",
+    "stdout",
+    "stderr",
+    "errno",
+    "assert",
+    "math_errhandling",
+    "linux",
+    "unix",
     "main",
     "asm",
     "and",
@@ -114,12 +139,12 @@ mod tests {
     fn names_are_valid_and_unique() {
         let mut names = Names::with(&["step"]);
         let made: Vec<String> =
-            ["motor.w", "motor/w", "3rd", "\u{3c9}", "double", "_x", "step", "", "motor_w_2"]
+            ["motor.w", "motor/w", "3rd", "\u{3c9}", "double", "_x", "step", "", "motor_w_2", "NULL"]
                 .map(|name| names.add(name))
                 .to_vec();
         assert_eq!(
             made,
-            ["motor_w", "motor_w_2", "n3rd", "n", "double_", "n_x", "step_2", "n_2", "motor_w_2_2"]
+            ["motor_w", "motor_w_2", "n3rd", "n", "double_", "n_x", "step_2", "n_2", "motor_w_2_2", "NULL_"]
         );
     }
 }

@@ -96,7 +96,7 @@ pub fn as_json(result: &Dynamics) -> String {
             "base_parameter": result.base.name(index), "value": found.value, "standard_error": found.error,
             "interval_95": found.interval, "set": truth, "inside": found.holds(*truth),
         });
-        let _ = writeln!(out, "{value}");
+        let _ = writeln!(out, "{}", super::typed("base_parameter", value));
     }
     let (wrong, size) = result.prediction.clone().unzip();
     let mut value =
@@ -104,7 +104,7 @@ pub fn as_json(result: &Dynamics) -> String {
     if let (Some(value), Some(facts)) = (value.as_object_mut(), result.facts.as_object()) {
         value.extend(facts.clone());
     }
-    let _ = writeln!(out, "{value}");
+    let _ = writeln!(out, "{}", super::typed("dynamics", value));
     out
 }
 

@@ -169,7 +169,7 @@ fn as_json(axes: &[Axis]) -> String {
                 value
             }
         };
-        let _ = writeln!(out, "{value}");
+        let _ = writeln!(out, "{}", super::typed("friction", value));
     }
     out
 }

@@ -197,7 +197,7 @@ pub fn json(results: &[AxisFriction]) -> String {
             "not_identified": [result.line.as_ref().err(), result.curve.as_ref().err()],
             "points": points,
         });
-        let _ = writeln!(out, "{value}");
+        let _ = writeln!(out, "{}", super::typed("friction", value));
     }
     out
 }

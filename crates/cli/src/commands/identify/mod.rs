@@ -90,3 +90,12 @@ fn load_bench(common: &Common, console: Console) -> Result<Bench, Failure> {
     }
     Bench::new(schedule)
 }
+
+/// An object for programs, with its version and what it is.
+pub(super) fn typed(what: &str, mut value: serde_json::Value) -> serde_json::Value {
+    if let Some(fields) = value.as_object_mut() {
+        fields.insert("v".to_owned(), 1.into());
+        fields.insert("type".to_owned(), what.into());
+    }
+    value
+}

@@ -183,7 +183,7 @@ pub fn json(found: &Found) -> String {
             "interval_95": estimate.interval / parameter.scale(),
             "by_differences": way,
         });
-        text.push_str(&format!("{one}\n"));
+        text.push_str(&format!("{}\n", super::typed("parameter", one)));
     }
     let signals: Vec<_> = found
         .compared
@@ -196,6 +196,6 @@ pub fn json(found: &Found) -> String {
     let alike: Vec<_> =
         found.alike().into_iter().map(|(a, b, correlation)| json!([a, b, correlation])).collect();
     let all = json!({ "signals": signals, "steps": found.fitted.steps, "runs": found.runs, "alike": alike, "edge": found.edge, "stalled": found.fitted.stalled });
-    text.push_str(&format!("{all}\n"));
+    text.push_str(&format!("{}\n", super::typed("parameters", all)));
     text
 }

@@ -24,6 +24,13 @@ use crate::terminal::console::Console;
 /// What keeps it from running, or its results from being kept.
 pub fn run(args: &RunArgs, console: Console) -> Outcome {
     let (setup, simulation) = prepare::prepare(args, console)?;
+    let end = setup.schedule.settings.stop_time;
+    for (when, set) in args.change.iter().filter(|(when, _)| when.time() > end) {
+        console.say(&format!(
+            "note: `{set}` is to be set at {} s, after the end of the run at {end} s, and has no effect",
+            when.time()
+        ));
+    }
     match args.live {
         Some(speed) => watched::watch(args, setup, simulation, speed, console),
         None => simulate::simulate(args, setup, simulation, console),
