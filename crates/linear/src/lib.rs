@@ -32,7 +32,7 @@ mod system;
 mod transition;
 mod zeros;
 
-pub use constrained::{Constrained, constrained};
+pub use constrained::{Constrained, Directions, directions};
 pub use course::{StepInfo, step_info, step_response};
 pub use delayed::Delayed;
 pub use differences::{Jacobian, Kink, jacobian, jacobian_over, sparse_jacobian};

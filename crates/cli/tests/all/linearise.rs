@@ -499,3 +499,98 @@ fn a_closed_loop_of_bars_has_the_poles_of_its_one_freedom() {
         );
     }
 }
+
+#[test]
+fn a_current_source_whose_slope_is_known_moves_the_states_behind_it() {
+    let desk = Desk::new("driven");
+    let model = r#"Diagram(simulation: (stop_time: 1), blocks: {
+        "r": Resistor(r: 0.8), "l1": Inductor(l: 0.04), "l2": Inductor(l: 0.022), "l3": Inductor(l: 0.01), "r3": Resistor(r: 3),
+        "cs": ControlledCurrentSource, "c": Constant(value: "1 A"), "lp": LowPass(tau: 0.1), "g": ElectricalReference, SLOPE
+    }, connections: [
+        "cs.n <-> l1.p", "l1.n <-> l2.p <-> l3.p", "l2.n <-> r.p", "l3.n <-> r3.p", "r.n <-> r3.n <-> cs.p <-> g.p",
+        "c.y -> lp.u", "lp.y -> cs.i", WIRES
+    ])"#;
+    // i2 / i = (r3 + s l3) / (r + r3 + s (l2 + l3)), behind the lag, whether the slope is told or not.
+    for (slope, wires) in [
+        ("", ""),
+        (
+            r#""su": Sum(signs: "+-"), "kd": Gain(k: "10 1/s")"#,
+            r#""c.y -> su.u1", "lp.y -> su.u2", "su.y -> kd.u", "kd.y -> cs.di""#,
+        ),
+    ] {
+        std::fs::write(desk.0.join("m.ron"), model.replace("SLOPE", slope).replace("WIRES", wires))
+            .expect("a model");
+        let found = desk.json(&["m.ron", "--from", "c.y", "--to", "l2.i"]);
+        let way = &found["ways"][0];
+        near(&way["zeros"][0][0], -300.0);
+        let mut poles: Vec<f64> =
+            way["poles"].as_array().expect("poles").iter().map(|pole| number(&pole["pole"][0])).collect();
+        poles.sort_by(f64::total_cmp);
+        for (pole, expected) in poles.iter().zip([-3.8 / 0.032, -10.0]) {
+            assert!((pole / expected - 1.0).abs() < 1e-8, "{slope}: {poles:?}");
+        }
+    }
+}
+
+/// Chokes before a machine are a part of its windings: what follows are their currents, and never the angle of its shaft.
+#[test]
+fn chokes_before_a_machine_follow_from_its_currents_at_every_instant() {
+    let desk = Desk::new("chokes");
+    let model = |machine: &str, choke: &str, between: &str| {
+        format!(
+            r#"Diagram(simulation: (stop_time: 2), blocks: {{
+        "inv": VectorInverter(vdc: "560 V", modulation: SpaceVector), "vd": Constant(value: "-10 V"), "vq": Constant(value: "60 V"),
+        "zm": PermanentMagnetMachine(pole_pairs: 3, {machine}, flux: 0.12), {choke}
+        "j": Inertia(j: 0.01), "d": RotationalDamper(d: 0.02), "h": RotationalReference,
+    }}, connections: [
+        "zm.r <-> j.r <-> d.r", "zm.c <-> d.c <-> h.r", "vd.y -> inv.v_d", "vq.y -> inv.v_q", "zm.theta -> inv.theta", {between}
+    ])"#
+        )
+    };
+    let choke = r#""choke": ThreePhaseRlc(r: 0.4, l: 0.003),"#;
+    let behind = model(
+        "r_s: 0.6, l_d: 0.0014, l_q: 0.0028",
+        choke,
+        r#""inv.ac <-> choke.ac1", "choke.ac2 <-> zm.ac""#,
+    );
+    let inside = model("r_s: 1.0, l_d: 0.0044, l_q: 0.0058", "", r#""inv.ac <-> zm.ac""#);
+    for at in ["1", "1.5", "1.903", "2"] {
+        let (poles, following) = free(&desk, &behind, &["--at", at]);
+        assert_eq!(following, ["choke.i_a", "choke.i_b", "choke.i_c"], "{at}");
+        let (expected, none) = free(&desk, &inside, &["--at", at]);
+        assert_eq!((poles.len(), none.len()), (expected.len(), 0), "{at}");
+        for (pole, expected) in poles.iter().zip(&expected) {
+            assert!((pole - expected).abs() < 1e-5 * expected + 1e-6, "{at}: {poles:?}, not {expected}");
+        }
+    }
+}
+
+/// A contact that is closed ties capacitances together, one that is open windings: also from hit to hit, where it would take apart what is
+/// varied.
+#[test]
+fn contacts_tie_states_together_from_hit_to_hit() {
+    let desk = Desk::new("tied");
+    let source = r#""r": Resistor(r: 10), "src": ControlledVoltageSource, "u": Constant(value: "7 V"), "g": ElectricalReference"#;
+    for (parts, wires, ts) in [
+        (
+            r#""c1": Capacitor(c: 1e-3), "c2": Capacitor(c: 2e-3), "sw": IdealSwitch(r_on: 0), "on": Constant(value: true)"#,
+            r#""src.p <-> r.p", "r.n <-> c1.p <-> sw.p", "sw.n <-> c2.p", "c1.n <-> c2.n <-> src.n <-> g.p""#,
+            "0.01",
+        ),
+        (
+            r#""l1": Inductor(l: 0.01), "l2": Inductor(l: 0.02), "sw": IdealSwitch(r_on: 0.01), "on": Constant(value: false)"#,
+            r#""src.p <-> r.p", "r.n <-> l1.p", "l1.n <-> l2.p <-> sw.p", "l2.n <-> sw.n <-> src.n <-> g.p""#,
+            "0.001",
+        ),
+    ] {
+        let text = format!(
+            r#"Diagram(simulation: (stop_time: 1), blocks: {{ {parts}, {source}, "zoh": ZeroOrderHold(ts: {ts}) }},
+                connections: [{wires}, "on.y -> sw.gate", "u.y -> zoh.u", "zoh.y -> src.v"])"#
+        );
+        for words in [&["--sampled"][..], &["--sampled", "--at", "0.5s"]] {
+            let (poles, following) = free(&desk, &text, words);
+            assert_eq!((poles.len(), following.len()), (1, 1), "{words:?}");
+            assert!((poles[0] - (-1.0_f64 / 3.0).exp()).abs() < 1e-9, "{words:?}: {poles:?}");
+        }
+    }
+}

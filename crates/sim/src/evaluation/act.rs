@@ -199,9 +199,9 @@ impl Diagram {
         let found = units.flat_map(|(unit, w)| {
             let first = unit.x.range().start;
             let own = unit.block.invariants(&now.context(unit, signals, &d[unit.d.range()]), w);
-            own.into_iter().map(move |Invariant { gaps, states, terms }| Invariant {
+            own.into_iter().map(move |Invariant { gaps, followers, terms }| Invariant {
                 gaps,
-                states: first + states.start..first + states.end,
+                followers: followers.map(|states| states.into_iter().map(|state| first + state).collect()),
                 terms,
             })
         });

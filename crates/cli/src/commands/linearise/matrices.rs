@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use blocksim_block::Invariant;
 use blocksim_block::schedule::Schedule;
 use blocksim_linear::{
-    Constrained, DMatrix, Jacobian, Kink, LinearError, StateSpace, constrained, jacobian_over,
+    Constrained, DMatrix, Directions, Jacobian, Kink, LinearError, StateSpace, directions, jacobian_over,
 };
 use blocksim_sim::{Frozen, Origin, SimError, Tap, state_names};
 
@@ -158,8 +158,9 @@ pub fn linearise(frozen: Frozen, question: &Question) -> Result<Linearised, NoMa
         columns: names.iter().map(|state| format!("`{state}`")).chain(inputs_named).collect(),
     };
     model.frozen.differentiate(&x)?;
-    let Slopes { system, accuracy, kinks, method } = slopes((&point, &there, n), None, &labels, &mut model)?;
-    let Free { system, names, x, following } = free(system, names, &point, &mut model)?;
+    let Slopes { system, accuracy, kinks, method, kept } =
+        slopes((&point, &there, n), None, &labels, &mut model)?;
+    let (names, x, following) = divided(names, &x, &kept);
     let sign = if question.is_loop { -1.0 } else { 1.0 };
     Ok(Linearised {
         accuracy,
@@ -314,10 +315,12 @@ pub(super) struct Slopes {
     pub accuracy: f64,
     pub kinks: Vec<String>,
     pub method: Method,
+    /// The states that are free.
+    pub kept: Vec<usize>,
 }
 
 /// The slopes of a function of `n` states and of inputs, which gives as many states or derivatives and then outputs, at a point with its values
-/// `there`.
+/// `there`; over the states that are free, along what all of them obey.
 pub(super) fn slopes(
     (point, there, n): (&[f64], &[f64], usize),
     period: Option<f64>,
@@ -332,7 +335,26 @@ pub(super) fn slopes(
         let text = format!("{} is {} at the operating point", labels.rows[row], there[row]);
         return Err(said(text, "choose another instant with --at"));
     }
-    let (slopes, method) = mixed(point, rows, labels, function)?;
+    let (directions, accuracy) = free(n, point, function)?;
+    let kept = directions.kept.clone();
+    let taken = |from: &[f64]| -> Vec<f64> {
+        kept.iter().map(|i| from[*i]).chain(from[n..].iter().copied()).collect()
+    };
+    let named = |from: &[String]| -> Vec<String> {
+        kept.iter().map(|i| from[*i].clone()).chain(from[n..].iter().cloned()).collect()
+    };
+    let labels = &Labels { rows: named(&labels.rows), columns: named(&labels.columns) };
+    let (slopes, method) = if kept.len() == n {
+        mixed(point, rows, labels, function)?
+    } else {
+        let from = taken(point);
+        let cancels = accuracy.max(ROUNDING);
+        let (z, out, doubtful) = (vec![0.0; point.len()], vec![0.0; rows], vec![0.0; rows]);
+        let mut along =
+            Along { function, directions: &directions, cancels, point, from: &from, n, z, out, doubtful };
+        mixed(&from, kept.len() + outputs, labels, &mut along)?
+    };
+    let (n, rows) = (kept.len(), kept.len() + outputs);
     if let Some(at) = slopes.value.iter().position(|value| !value.is_finite()) {
         let text =
             format!("{} has no finite slope over {}", labels.rows[at % rows], labels.columns[at / rows]);
@@ -358,30 +380,25 @@ pub(super) fn slopes(
             blocksim_numbers::format::significant(right, 4)
         )
     });
-    Ok(Slopes { system, accuracy: slopes.accuracy(), kinks: kinks.collect(), method })
+    Ok(Slopes { system, accuracy: slopes.accuracy(), kinks: kinks.collect(), method, kept })
 }
 
-/// A system over the states that are free.
-pub(super) struct Free {
-    pub system: StateSpace,
-    pub names: Vec<String>,
-    pub x: Vec<f64>,
-    /// Names of the others.
-    pub following: Vec<String>,
+/// The names and the values of the states that are free, and the names of those that follow from them.
+pub(super) fn divided(names: Vec<String>, x: &[f64], kept: &[usize]) -> (Vec<String>, Vec<f64>, Vec<String>) {
+    let values = kept.iter().map(|i| x[*i]).collect();
+    let all = names.into_iter().enumerate();
+    let (free, following): (Vec<_>, Vec<_>) = all.partition(|(i, _)| kept.contains(i));
+    let named = |list: Vec<(usize, String)>| list.into_iter().map(|(_, name)| name).collect();
+    (named(free), values, named(following))
 }
 
-/// Leaves out the states that follow from others at a point, of a system over all of them; the point has its states and then its inputs.
-pub(super) fn free(
-    system: StateSpace,
-    names: Vec<String>,
-    point: &[f64],
-    function: &mut impl Function,
-) -> Result<Free, NoMatrices> {
-    let n = names.len();
+/// The directions in which a function of so many states, and of inputs, obeys what states obey, at a point, and their accuracy.
+fn free(n: usize, point: &[f64], function: &mut impl Function) -> Result<(Directions, f64), NoMatrices> {
+    let m = point.len() - n;
     let here = function.invariants(point)?;
     let rows: usize = here.iter().map(|kind| kind.gaps.len() + kind.terms.len()).sum();
     if rows == 0 {
-        return Ok(Free { system, names, x: point[..n].to_vec(), following: Vec::new() });
+        return Ok((directions(n, m, &[]), 0.0));
     }
     let slopes = jacobian_over(point, 0..point.len(), rows, |z, out| {
         let found = function.invariants(z)?;
@@ -396,17 +413,100 @@ pub(super) fn free(
         first += rows;
         slopes.value.rows(first - rows, rows).into_owned()
     };
-    let kinds = here.into_iter().map(|Invariant { gaps, states, terms }| Constrained {
+    let kinds = here.into_iter().map(|Invariant { gaps, followers, terms }| Constrained {
         gaps: part(gaps.len()),
-        states,
+        followers,
         terms: part(terms.len()),
     });
     let kinds: Vec<Constrained> = kinds.collect();
-    let (system, kept) = constrained(&system, &kinds);
-    let following = (0..n).filter(|i| !kept.contains(i)).map(|i| names[i].clone()).collect();
-    let names = kept.iter().map(|i| names[*i].clone()).collect();
-    Ok(Free { system, names, x: kept.iter().map(|i| point[*i]).collect(), following })
+    Ok((directions(n, m, &kinds), slopes.accuracy()))
 }
+
+/// Part of its terms that rounding leaves of a slope along several states, where they cancel.
+const ROUNDING: f64 = 1e-13;
+
+/// A function along the directions in which it can move, from a point on.
+struct Along<'f, F> {
+    function: &'f mut F,
+    directions: &'f Directions,
+    /// Part of its terms that is left of a slope where they cancel.
+    cancels: f64,
+    /// All states and inputs of the point, and those that are free.
+    point: &'f [f64],
+    from: &'f [f64],
+    /// States in all; room for all arguments and all values.
+    n: usize,
+    z: Vec<f64>,
+    out: Vec<f64>,
+    doubtful: Vec<f64>,
+}
+
+impl<F> Along<'_, F> {
+    /// What all arguments change by.
+    fn all(&mut self, change: impl Fn(usize) -> f64) {
+        let Directions { all, .. } = self.directions;
+        for (row, z) in self.z.iter_mut().enumerate() {
+            *z = (0..all.ncols()).map(|column| all[(row, column)] * change(column)).sum();
+        }
+    }
+
+    fn give(&self, out: &mut [f64]) {
+        let kept = self.directions.kept.iter().copied().chain(self.n..self.out.len());
+        out.iter_mut().zip(kept).for_each(|(to, row)| *to = self.out[row]);
+    }
+}
+
+impl<F: Function> Function for Along<'_, F> {
+    fn evaluate(&mut self, z: &[f64], out: &mut [f64]) -> Result<(), NoMatrices> {
+        let from = self.from;
+        self.all(|column| z[column] - from[column]);
+        self.z.iter_mut().zip(self.point).for_each(|(z, point)| *z += point);
+        self.function.evaluate(&self.z, &mut self.out)?;
+        self.give(out);
+        Ok(())
+    }
+
+    fn along(&mut self, direction: &[f64], doubts: bool, out: &mut [f64]) -> Origin {
+        self.all(|column| direction[column]);
+        let none = || vec![0.0; self.out.len()];
+        let (mut sum, mut size, mut error) = (none(), none(), none());
+        let mut origin = Origin::Laws;
+        let mut one = vec![0.0; self.z.len()];
+        for column in (0..one.len()).filter(|column| self.z[*column] != 0.0) {
+            one[column] = 1.0;
+            origin = match (origin, self.function.along(&one, false, &mut self.out)) {
+                (_, Origin::Unknown) => return Origin::Unknown,
+                (Origin::Laws, origin) => origin,
+                (origin, _) => origin,
+            };
+            for ((sum, size), slope) in sum.iter_mut().zip(&mut size).zip(&self.out) {
+                let part = slope * self.z[column];
+                (*sum, *size) = (*sum + part, *size + part.abs());
+            }
+            // Errors add up, also where slopes cancel.
+            if doubts {
+                self.function.along(&one, true, &mut self.doubtful);
+                let errors =
+                    self.doubtful.iter().zip(&self.out).map(|(doubtful, slope)| (doubtful - slope).abs());
+                error.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error * self.z[column].abs());
+            }
+            one[column] = 0.0;
+        }
+        // What cancels leaves nothing: an integrator stays one.
+        for (((to, sum), size), error) in self.out.iter_mut().zip(&sum).zip(&size).zip(&error) {
+            *to = if sum.abs() <= self.cancels * size { 0.0 } else { *sum } + error;
+        }
+        self.give(out);
+        origin
+    }
+
+    fn by_differences(&self) -> Vec<String> {
+        self.function.by_differences()
+    }
+}
+
+/// What a slope is above its error, at least: that is no bound.
+const FAINT: f64 = 4.0;
 
 /// Slopes column by column: those that the function knows, and differences elsewhere.
 fn mixed(
@@ -428,7 +528,7 @@ fn mixed(
                 for (row, (slope, doubtful)) in found.iter().zip(&doubtful).enumerate() {
                     let doubt = (slope - doubtful).abs();
                     error[(row, column)] = doubt;
-                    value[(row, column)] = if slope.abs() <= doubt { 0.0 } else { *slope };
+                    value[(row, column)] = if slope.abs() <= FAINT * doubt { 0.0 } else { *slope };
                 }
             }
             Origin::Unknown => unknown.push(column),

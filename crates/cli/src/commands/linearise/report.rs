@@ -129,7 +129,7 @@ fn slopes(found: &Linearised) -> String {
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         format!("{}{more}", names[..names.len().min(FEW)].join(", "))
     };
-    let all = found.names.len() + found.following.len() + found.system.b.ncols();
+    let all = found.names.len() + found.system.b.ncols();
     let mut parts = Vec::new();
     if !blocks.is_empty() {
         let blocks: Vec<String> = blocks.iter().map(|path| format!("`{path}`")).collect();

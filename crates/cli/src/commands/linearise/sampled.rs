@@ -6,8 +6,7 @@ use blocksim_linear::{DMatrix, StateSpace};
 use blocksim_sim::{Origin, Period, PeriodMap, PeriodSlopes, Tap};
 
 use super::matrices::{
-    Free, Function, Labels, Linearised, Method, NoMatrices, Question, Slopes, between, free, modes, slopes,
-    taps,
+    Function, Labels, Linearised, Method, NoMatrices, Question, Slopes, between, divided, modes, slopes, taps,
 };
 use super::point::Patient;
 use crate::exit::Exit;
@@ -63,7 +62,7 @@ pub fn linearise(
     };
     let because = model.follow(inputs)?;
     let found = slopes((&point, &there, n), Some(period.length), &labels, &mut model);
-    let Slopes { system, accuracy, kinks, method } = found.map_err(stopped)?;
+    let Slopes { system, accuracy, kinks, method, kept } = found.map_err(stopped)?;
     if question.is_loop {
         // With the loop closed, and without a change.
         let first = question.open[0].cell;
@@ -75,7 +74,7 @@ pub fn linearise(
         let own = slopes((&point[..n], &there[..n], n), Some(period.length), &none, &mut model);
         is_once_around(&system, &own.map_err(stopped)?.system.a, question, period.length)?;
     }
-    let Free { system, names, x, following } = free(system, names, &point, &mut model)?;
+    let (names, x, following) = divided(names, &x, &kept);
     let sign = if question.is_loop { -1.0 } else { 1.0 };
     let linearised = Linearised {
         accuracy,

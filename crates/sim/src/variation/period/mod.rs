@@ -300,6 +300,14 @@ impl PeriodMap {
     /// Goes to the beginning of the period, with other states and changes at the taps, and evaluates it. Returns whether anything jumps
     /// there.
     fn begin(&mut self, states: &[f64], change: &[f64], witness: &mut Witness) -> Result<bool, SimError> {
+        self.place(states, change)?;
+        let jumped = self.simulation.repeat_instant(witness)?;
+        self.signals.copy_from_slice(&self.simulation.diagram.signals);
+        Ok(jumped)
+    }
+
+    /// Goes to the beginning of the period, with other states and changes at the taps.
+    fn place(&mut self, states: &[f64], change: &[f64]) -> Result<(), SimError> {
         let simulation = &mut self.simulation;
         simulation.restore(&self.start)?;
         for (place, &value) in self.places.iter().zip(states) {
@@ -316,27 +324,26 @@ impl PeriodMap {
             let held = self.taps[n].open.then_some(self.held[n]);
             lever.set(&mut simulation.diagram.signals, held, change[n]);
         }
-        let jumped = simulation.repeat_instant(witness)?;
-        self.signals.copy_from_slice(&simulation.diagram.signals);
-        Ok(jumped)
+        Ok(())
     }
 
-    /// What states obey wherever the model can be, at other ones at the beginning of the period.
+    /// What states obey wherever the model can be, at other ones at the beginning of the period. Nothing jumps there: beside what they
+    /// obey, contacts would make them obey it again.
     ///
     /// # Errors
     /// See [`SimError::code`].
     pub fn invariants(&mut self, states: &[f64]) -> Result<Vec<Invariant>, SimError> {
-        let unchanged = vec![0.0; self.taps.len()];
-        let mut witness = Witness { simulation: Arc::clone(&self.simulation.schedule), seen: None };
-        self.begin(states, &unchanged, &mut witness)?;
-        let mut found = self.simulation.diagram.invariants();
-        // Continuous states come in their order.
-        let before = |x: usize| {
-            self.places.iter().filter(|place| matches!(place, Place::Continuous(own) if *own < x)).count()
-        };
-        found.iter_mut().for_each(|invariant| {
-            invariant.states = before(invariant.states.start)..before(invariant.states.end);
-        });
+        self.place(states, &vec![0.0; self.taps.len()])?;
+        let simulation = &mut self.simulation;
+        let evaluated = simulation.diagram.continuous(simulation.t, &simulation.x);
+        simulation.held(evaluated)?;
+        let mut found = simulation.diagram.invariants();
+        let place = |x: usize| self.places.iter().position(|place| *place == Place::Continuous(x));
+        for invariant in &mut found {
+            for states in &mut invariant.followers {
+                *states = states.iter().filter_map(|x| place(*x)).collect();
+            }
+        }
         Ok(found)
     }
 
