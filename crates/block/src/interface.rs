@@ -1,7 +1,6 @@
 //! What a block looks like from outside: ports, states, dependencies. Pure data.
 
 use std::borrow::Cow;
-use std::ops::Range;
 use std::sync::Arc;
 
 use blocksim_signal::{Dimension, SampleTime};
@@ -200,7 +199,7 @@ pub struct Interface {
     pub drifting: Vec<usize>,
     /// Continuous states that are as large as the largest of them where errors are measured, by number: what one law keeps at
     /// nothing, as the speed of a joint that a closed loop holds, is made of the errors of the others.
-    pub kin: Vec<Range<usize>>,
+    pub kin: Vec<Vec<usize>>,
     /// Discrete states.
     pub discrete: Vec<Discrete>,
     /// Guards.

@@ -1,7 +1,5 @@
 //! What is integrated: a system of ordinary differential equations and how exactly it is to be followed.
 
-use std::ops::Range;
-
 /// A system of ordinary differential equations dx/dt = f(t, x).
 ///
 /// `&mut self` lets it keep scratch space; seen from outside it must be a pure function of (t, x), because
@@ -88,7 +86,7 @@ pub struct Tolerances {
     /// Nominal value of each state for automatic floors; 0 where none is known.
     pub nominal: Vec<f64>,
     /// States each of which counts as large as the largest of them for automatic floors.
-    pub kin: Vec<Range<usize>>,
+    pub kin: Vec<Vec<usize>>,
 }
 
 impl Tolerances {

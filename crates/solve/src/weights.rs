@@ -20,8 +20,6 @@
 //!   less. What noise does to a state over a step is no error.
 //!   It never hides more than a share of the largest state, and it fades with its state.
 
-use std::ops::Range;
-
 use crate::shake::shake;
 use crate::system::NOTHING;
 use crate::{System, Tolerances};
@@ -81,7 +79,7 @@ pub struct Weights {
     /// Nominal magnitudes of the states; 0 where none is known.
     nominal: Vec<f64>,
     /// States that share a size.
-    kin: Vec<Range<usize>>,
+    kin: Vec<Vec<usize>>,
     /// The absolute tolerances in force.
     absolute: Vec<f64>,
     /// What an automatic tolerance has learnt.
@@ -210,11 +208,10 @@ impl Weights {
             *absolute = if *fixed { *given } else { given.max(found).max(least) };
         }
         for kin in &self.kin {
-            let sizes = learnt.size[kin.clone()].iter().zip(&learnt.ever[kin.clone()]);
-            let largest = sizes.fold(0.0, |largest: f64, (size, ever)| largest.max(size.max(FADED * ever)));
-            let states = self.absolute[kin.clone()].iter_mut().zip(&self.fixed[kin.clone()]);
-            for (absolute, _) in states.filter(|(_, fixed)| !**fixed) {
-                *absolute = absolute.max(relative * SHARE * largest);
+            let size = |i: &usize| learnt.size[*i].max(FADED * learnt.ever[*i]);
+            let largest = kin.iter().map(size).fold(0.0, f64::max);
+            for i in kin.iter().filter(|i| !self.fixed[**i]) {
+                self.absolute[*i] = self.absolute[*i].max(relative * SHARE * largest);
             }
         }
     }

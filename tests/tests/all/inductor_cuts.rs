@@ -385,3 +385,34 @@ fn a_diode_against_a_current_is_no_path() {
     assert_eq!(error.t, 1e-3);
     expect!["the physical network cannot go on: the open valves (`d`, `k`) leave the prescribed current of `j` without a path: connect a resistance in parallel, or give the valves an off-state conductance"].assert_eq(&error.message);
 }
+
+/// A saturating coil in series with a current source carries the current of the source, whatever its flux is, told its slope or not.
+#[test]
+fn a_saturating_coil_carries_what_a_current_source_gives() {
+    for source in [
+        r#""u": Constant(value: "2 A")"#,
+        r#""u": Ramp(slope: "2 A/s")"#,
+        r#""u": Step(after: "2 A", time: "0.3 s")"#,
+    ] {
+        for method in ["Auto", "Radau5(rtol: 1e-6)", "Ode4(step: \"1 ms\")"] {
+            let run = blocksim_tests::run_blocks(
+                "1 s",
+                method,
+                &format!(
+                    r#"{source}, "a": SaturatingInductor(l0: 0.02, l_s: 0.002, i_s: 1), "l": Inductor(l: 0.01), "r": Resistor(r: 1),
+                       "src": ControlledCurrentSource, "g": ElectricalReference, "s": Scope(inputs: ["u", "a", "l", "r", "psi"])"#
+                ),
+                r#""u.y -> src.i, s.u", "src.n <-> a.p", "a.n <-> l.p", "l.n <-> r.p", "r.n <-> src.p <-> g.p",
+                   "a.i -> s.a", "l.i -> s.l", "r.i -> s.r", "a.psi -> s.psi""#,
+            );
+            assert!(run.error.is_none(), "{source}, {method}: {:?}", run.error);
+            for signal in ["s.a", "s.l", "s.r"] {
+                let off = run.column("s.u").iter().zip(run.column(signal)).map(|(u, i)| (u - i).abs());
+                assert!(off.fold(0.0, f64::max) < 1e-9, "{source}, {method}: {signal}");
+            }
+            // psi = l_s i + (l0 - l_s) i_s tanh(i / i_s).
+            let psi = 0.002 * 2.0 + 0.018 * 2.0_f64.tanh();
+            assert!((run.last("s.psi") - psi).abs() < 1e-9, "{source}, {method}: {}", run.last("s.psi"));
+        }
+    }
+}

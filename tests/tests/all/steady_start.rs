@@ -431,3 +431,24 @@ fn an_account_of_energy_opens_at_the_steady_state() {
     near(run.column("s.stored")[0], 0.5 * 0.05 * 9.0, 1e-9);
     assert!(run.column("s.error").iter().all(|error| error.abs() < 1e-9));
 }
+
+/// Where there is no state, nothing moves: the start is steady as it is.
+#[test]
+fn a_model_without_states_is_at_rest() {
+    for (blocks, wires, end) in [
+        (r#""c": Constant(value: 2), "k": Gain(k: 3)"#, r#""c.y -> k.u", "k.y -> s.u""#, 6.0),
+        (
+            r#""c": Constant(value: "1 V"), "v": ControlledVoltageSource, "r": Resistor(r: 10), "g": ElectricalReference,
+               "k": Gain(k: "1 1/A")"#,
+            r#""c.y -> v.v", "v.p <-> r.p", "v.n <-> r.n <-> g.p", "r.i -> k.u", "k.y -> s.u""#,
+            0.1,
+        ),
+    ] {
+        let text = format!(
+            r#"Diagram(simulation: (stop_time: 1, start: Steady), blocks: {{ {blocks}, "s": Scope }}, connections: [{wires}])"#
+        );
+        let run = blocksim_tests::run_text(&text);
+        assert!(run.error.is_none(), "{:?}", run.error);
+        assert!((run.last("s.u") - end).abs() < 1e-12, "{}", run.last("s.u"));
+    }
+}

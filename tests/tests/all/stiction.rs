@@ -534,3 +534,30 @@ fn what_can_never_slip_changes_nothing_elsewhere() {
         }
     }
 }
+
+/// A brake that holds 5.46 N*m comes to rest with a load of 4.8 N*m on it, pushed until then by what turns back without it.
+#[test]
+fn a_brake_holds_what_is_left_when_a_freewheel_lets_go() {
+    for pusher in ["OneWayClutch", "RotationalRigidStop(lower: -10, upper: 0)"] {
+        for brake in ["a", "z"] {
+            let run = run_blocks(
+                "0.6 s",
+                "Ode45(rtol: 1e-8)",
+                &format!(
+                    r#""h": RotationalReference, "x": Inertia(j: 0.15, w0: 1), "y": Inertia(j: 1.5, w0: 1), "tx": ConstantTorque(tau: -4.8),
+                       "ty": ConstantTorque(tau: -5), "{brake}": Brake(torque: 4.2, peak: 1.3), "on": Constant(value: 1), "o": {pusher},
+                       "on_x": MotionSensor, "on_y": MotionSensor, "scope": Scope(inputs: ["x", "y"])"#
+                ),
+                &format!(
+                    r#""x.r <-> tx.r <-> {brake}.r <-> o.c <-> on_x.r", "y.r <-> ty.r <-> o.r <-> on_y.r", "on.y -> {brake}.engaged",
+                       "tx.c <-> ty.c <-> {brake}.c <-> h.r <-> on_x.c <-> on_y.c", "on_x.w -> scope.x", "on_y.w -> scope.y""#
+                ),
+            );
+            assert!(run.error.is_none(), "{:?}", run.error);
+            assert_eq!(run.last("scope.x"), 0.0, "{brake}: {:?}", run.events);
+            // 1.65 kg m^2 stop at 14 N m; then y alone turns back.
+            let stop = 1.65 / 14.0;
+            close(run.last("scope.y"), -5.0 / 1.5 * (0.6 - stop), 1e-7);
+        }
+    }
+}

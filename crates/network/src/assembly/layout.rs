@@ -14,7 +14,7 @@ use crate::electrics::currents::UNTOLD;
 use crate::electrics::inputs::InputCells;
 use crate::electrics::{Branch, Capacitance, Electrics, Separate};
 use crate::mechanics::envelope::Envelope;
-use crate::mechanics::frames::Frames;
+use crate::mechanics::frames::{Frames, Loop};
 use crate::mechanics::rotation::Rotation;
 use crate::mechanics::scene;
 use crate::mechanics::stiction::parts::Stiction;
@@ -66,9 +66,7 @@ impl Network {
         for (name, start) in rotation.names.iter().zip(&rotation.start) {
             interface = interface.state(name.clone(), *start);
         }
-        if !frames.loops.is_empty() {
-            interface.kin = vec![0..positions, positions..positions + rotation.free];
-        }
+        interface.kin = frames.loops.iter().map(|closing| kin(&frames, &rotation, closing)).collect();
         let mut separate = Separate::of(&electrics);
         for island in &mut separate {
             for name in [
@@ -405,6 +403,18 @@ fn supplies(members: &[Member], fed_by: &[Option<usize>]) -> (Vec<Option<usize>>
     }
     let of = fed_by.iter().enumerate().map(|(index, source)| source.and_then(|s| own[s]).or(own[index]));
     (of.collect(), supplies)
+}
+
+/// The speeds of the joints of a closed loop, among the states.
+fn kin(frames: &Frames, rotation: &Rotation, closing: &Loop) -> Vec<usize> {
+    let members = frames.joints_between(closing);
+    let is_inside = |member: usize| member == closing.member || members.contains(&member);
+    let joints = frames.speeds.iter().zip(&rotation.joints).filter(|(speed, _)| is_inside(speed.member));
+    let speeds = joints.flat_map(|(_, form)| form.terms().iter().map(|(k, _)| *k as usize));
+    let mut kin: Vec<usize> = speeds.map(|k| frames.position.len() + k).collect();
+    kin.sort_unstable();
+    kin.dedup();
+    kin
 }
 
 fn role(member: &Member, machine: Option<crate::electrics::Joined>, fed: bool) -> Role {

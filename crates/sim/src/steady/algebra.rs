@@ -45,6 +45,9 @@ fn inverse(largest: f64) -> f64 {
 /// The shortest `s`, sizes of the unknowns taken into account, for which `matrix s` comes closest to `right`. None if it cannot
 /// be computed.
 pub(super) fn least(matrix: DMatrix<f64>, right: &[f64], sizes: &[f64]) -> Option<Vec<f64>> {
+    if matrix.is_empty() {
+        return Some(vec![0.0; matrix.ncols()]);
+    }
     let Scaled { matrix, rows, columns } = Scaled::new(matrix, sizes);
     let right = DMatrix::from_fn(right.len(), 1, |i, _| right[i] * rows[i]);
     let solution = match regular(&matrix, &right) {

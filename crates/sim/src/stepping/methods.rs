@@ -30,7 +30,7 @@ pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
                     tolerances.absolute[x] = tolerances.absolute[x].max(rtol * state.negligible);
                 }
                 let kin = block.interface.kin.iter();
-                tolerances.kin.extend(kin.map(|own| block.x + own.start..block.x + own.end));
+                tolerances.kin.extend(kin.map(|own| own.iter().map(|i| block.x + i).collect()));
             }
             for given in &schedule.settings.atol {
                 given.states.iter().for_each(|&state| tolerances.fix(state, given.value));

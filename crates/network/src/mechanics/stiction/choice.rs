@@ -4,8 +4,8 @@
 //! least-index pivoting: every friction at rest begins stuck, and of those whose mode is wrong the first is changed, until
 //! none is. For matrices that are positive definite this ends (K. G. Murty, Note on a Bard-type scheme for solving the
 //! complementarity problem, Opsearch 11 (1974)). Where more is held at rest than while sliding, there may be several
-//! solutions, and of these that one counts in which what has been stuck stays so: what slid until now is changed first, and what has
-//! broken loose is stuck again if it can be. Where pivoting goes round in circles, what is held counts as what slides, which has one
+//! solutions, and of these that one counts in which what has been stuck stays so: what slid until now is changed first, behind what has no
+//! choice (freewheels, stops), and what has broken loose is stuck again if it can be. Where pivoting goes round in circles, what is held counts as what slides, which has one
 //! solution.
 
 use blocksim_block::Context;
@@ -272,13 +272,19 @@ impl Network {
         );
     }
 
-    /// The first part at rest whose mode is wrong while `w` holds the evaluation with these, and the mode to be tried; what slid before `c`
-    /// comes before what was stuck.
+    /// The first part at rest whose mode is wrong while `w` holds the evaluation with these, and the mode to be tried. What can push and not
+    /// pull comes first, freewheels and stops: they have no choice. What slid before `c` comes before what was stuck.
     fn wrong(&self, soft: bool, c: &Context, w: &mut Work, modes: &[f64]) -> Option<(usize, f64)> {
-        let was_stuck = |i: usize| self.stiction.of(c.d)[i] == 0.0;
-        let all = 0..self.stiction.len();
-        let mut order = all.clone().filter(|i| !was_stuck(*i)).chain(all.filter(|i| was_stuck(*i)));
-        order.find_map(|i| {
+        let rank = |i: usize, w: &Work| match w.grip[i].hold.contains(&f64::INFINITY) {
+            true => 0,
+            false if self.stiction.of(c.d)[i] != 0.0 => 1,
+            false => 2,
+        };
+        let mut order = (0..3).flat_map(|of| (0..self.stiction.len()).map(move |i| (of, i)));
+        order.find_map(|(of, i)| {
+            if rank(i, w) != of {
+                return None;
+            }
             let mode = self.stiction.of(modes)[i];
             let rests = !matches!(w.rests[i], Rest::Moves(_) | Rest::Open);
             Some((i, self.verdict(i, mode, w, soft).filter(|_| rests)?))
