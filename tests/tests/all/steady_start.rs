@@ -452,3 +452,23 @@ fn a_model_without_states_is_at_rest() {
         assert!((run.last("s.u") - end).abs() < 1e-12, "{}", run.last("s.u"));
     }
 }
+
+/// A voltage over windings alone: the current grows for ever, and at 1e8 A it is no more at rest than at 1 A.
+#[test]
+fn windings_without_a_resistance_have_no_steady_state() {
+    for first in ["Inductor(l: 0.00691)", "SaturatingInductor(l0: 0.00691, l_s: 0.001382, i_s: 0.0295)"] {
+        for names in [["a", "b"], ["b", "a"]] {
+            let [one, two] = names;
+            let text = format!(
+                r#"Diagram(simulation: (stop_time: 1, start: Steady), blocks: {{
+                    "{one}": {first}, "{two}": Inductor(l: 0.00515), "src": VoltageSource(v: "7.9 V"), "g": ElectricalReference,
+                }}, connections: ["{two}.p <-> src.n <-> g.p", "{one}.n <-> src.p", "{one}.p <-> {two}.n"], record: ["**"])"#
+            );
+            let (compiled, problems) = blocksim_tests::compile_text(&text);
+            let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+            let error =
+                blocksim_sim::Simulation::new(std::sync::Arc::new(schedule)).expect_err("nothing rests");
+            assert_eq!(error.code, "no_steady_state", "{first}, {names:?}: {}", error.message);
+        }
+    }
+}

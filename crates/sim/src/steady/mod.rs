@@ -23,6 +23,9 @@ use self::newton::{Failure, Search};
 use crate::variation::frozen::Nobody;
 use crate::{SimError, Simulation, diagnose};
 
+/// How far a state may be from where it was, as a multiple of its size or of 1, without being looked at again.
+const FAR: f64 = 1e6;
+
 /// Searches at most, the later ones with states that have been brought together.
 const ROUNDS: usize = 4;
 
@@ -70,11 +73,28 @@ impl Simulation {
             self.diagram.pinned.push(free.block);
         }
         self.diagram.seek_rest(true, &mut self.x);
+        let before = self.x.clone();
         let found = self.search(asked, strict, go);
         self.diagram.seek_rest(false, &mut self.x);
         let evaluated = self.diagram.continuous(self.t, &self.x);
         self.held(evaluated)?;
-        found
+        let found = found?;
+        // What holds states together in a search outweighs all else where they have grown without end: then the rest is looked at without it.
+        let is_far = |(before, after): (&f64, &f64)| after.abs() > FAR * before.abs().max(1.0);
+        if before.iter().zip(&self.x).any(is_far) {
+            let conditions = Conditions::new(self, asked, strict);
+            let judged = Search::new(conditions, go).judge().and_then(|lost| lost.map_or(Ok(()), Err));
+            judged.map_err(|failure| self.failed(asked, failure))?;
+        }
+        Ok(found)
+    }
+
+    fn failed(&self, asked: &Steady, failure: Failure) -> SimError {
+        match failure {
+            Failure::Simulation(error) => error,
+            Failure::Interrupted => SimError::new("no_steady_state", self.t, "the search was interrupted"),
+            Failure::Restless(lost) => failure::restless(self, asked, &lost),
+        }
     }
 
     /// Searches, and searches again where states had to be brought together.
@@ -90,13 +110,8 @@ impl Simulation {
         loop {
             round += 1;
             let conditions = Conditions::new(self, asked, strict);
-            let mut rest = Search::new(conditions, go).run().map_err(|failure| match failure {
-                Failure::Simulation(error) => error,
-                Failure::Interrupted => {
-                    SimError::new("no_steady_state", self.t, "the search was interrupted")
-                }
-                Failure::Restless(lost) => failure::restless(self, asked, &lost),
-            })?;
+            let mut rest =
+                Search::new(conditions, go).run().map_err(|failure| self.failed(asked, failure))?;
             evaluations += rest.evaluations;
             let evaluated = self.diagram.continuous(self.t, &self.x);
             self.held(evaluated)?;

@@ -9,6 +9,8 @@ use crate::SimError;
 
 /// Steps of Newton's method.
 const STEPS: usize = 60;
+/// Changes by which nothing that is at rest is held there, 1/s.
+const AT_ONCE: f64 = 10.0;
 /// An equation holds when a change of an unknown by this part of its size, or of 1, would make it so.
 const HOLDS: f64 = 1e-9;
 /// A step that leaves over less than this part is not held back: the equations are linear on the way.
@@ -93,6 +95,19 @@ impl<'s, 'g> Search<'s, 'g> {
             }
         }
         Err(Failure::Restless(lost))
+    }
+
+    /// What moves at the present states all the same, measured by itself; nothing where all equations hold.
+    pub fn judge(mut self) -> Result<Option<Failure>, Failure> {
+        let z = self.conditions.present();
+        let mut slopes = self.slopes(&z)?;
+        self.conditions.evaluate(&z, &mut self.rest)?;
+        let paired = self.conditions.paired();
+        for (scale, size) in slopes.scale.iter_mut().zip(&slopes.sizes).take(paired) {
+            *scale = scale.min(AT_ONCE * size);
+        }
+        let lost = self.lost(&slopes);
+        Ok((!lost.moving.is_empty()).then_some(Failure::Restless(lost)))
     }
 
     /// Newton's method with damping.
