@@ -1,8 +1,8 @@
 //! What has passed of a coupling step, integrated once more with the inputs and the speeds as they have been.
 //!
-//! A circuit is integrated over a step before its inputs are known there, and what strikes its shaft. Where one has gone on otherwise than was expected, the
-//! step is integrated once more at its end, and where one jumps within a step, that ends at the jump and what is left of it begins
-//! with the new inputs, so that the grid of the hits stays. Either way the circuit is then what its inputs have made of it. The
+//! A circuit is integrated over a step before its inputs are known there, and before it is known what strikes its shaft. Where an input
+//! has gone on otherwise than was expected, the step is integrated once more at its end, and where an input or a speed jumps within a
+//! step, that ends at the jump and what is left of it begins with what is new, so that the grid of the hits stays. Either way the circuit is then what its inputs have made of it. The
 //! mechanics has had the torque that was expected: the impulse that it lacks is given in what comes next.
 
 use blocksim_block::Context;

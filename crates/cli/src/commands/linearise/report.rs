@@ -14,6 +14,8 @@ use crate::terminal::format::{digits, short_time};
 const ROWS: usize = 24;
 /// Distance from the unit circle below which no measured slope tells on which side a pole is.
 const BORDER: f64 = 1e-6;
+/// Part of the fastest pole that rounding leaves of one at zero.
+const ROUNDING: f64 = 1e-14;
 /// Entries of other lists.
 const FEW: usize = 6;
 
@@ -246,9 +248,10 @@ fn of_model(found: &Found) -> String {
     }
     text.push_str(&poles(&found.modes, system.system.period.is_some()));
     if system.dead.is_empty() {
-        let is_stable =
-            found.modes.iter().all(|mode| mode.time_constant >= 0.0 && mode.time_constant.is_finite());
-        let grows = found.modes.iter().any(|mode| mode.time_constant < 0.0);
+        let fastest = found.modes.iter().map(|mode| mode.frequency).fold(0.0, f64::max);
+        let moves = |mode: &Mode| mode.time_constant.abs().recip() > ROUNDING * fastest;
+        let is_stable = found.modes.iter().all(|mode| mode.time_constant >= 0.0 && moves(mode));
+        let grows = found.modes.iter().any(|mode| mode.time_constant < 0.0 && moves(mode));
         text.push_str(match (is_stable, grows) {
             (true, _) => "stable\n",
             (_, true) => "not stable: what has a negative damping grows\n",

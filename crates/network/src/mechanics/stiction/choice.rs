@@ -4,9 +4,12 @@
 //! least-index pivoting: every friction at rest begins stuck, and of those whose mode is wrong the first is changed, until
 //! none is. For matrices that are positive definite this ends (K. G. Murty, Note on a Bard-type scheme for solving the
 //! complementarity problem, Opsearch 11 (1974)). Where more is held at rest than while sliding, there may be several
-//! solutions, and of these that one counts in which what has been stuck stays so: what slid until now is changed first, behind what has no
-//! choice (freewheels, stops), and what has broken loose is stuck again if it can be. Where pivoting goes round in circles, what is held counts as what slides, which has one
-//! solution.
+//! solutions, and of these that one counts in which what has been stuck stays so: what has no choice is changed first (freewheels, stops),
+//! then what slid until now, and what has broken loose is stuck again if it can be. Where pivoting goes round in circles, what is held
+//! counts as what slides, which has one solution.
+//!
+//! A friction beside a mesh that stands does not slide, though its torque has reached what it holds: it bears that much, and the mesh
+//! the rest (`torques.rs`).
 
 use blocksim_block::Context;
 use blocksim_block::physical::{Grip, Torque};
