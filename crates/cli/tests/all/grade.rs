@@ -246,3 +246,14 @@ fn tolerances_are_those_of_compare() {
     let wrong = desk.call(&["grade", "students", "--against", "loop.ron", "--abs", "-1 deg"]);
     assert!(wrong.code == Some(2) && wrong.err.contains("below zero"), "{wrong:?}");
 }
+
+/// What a folder is called does nothing to the terminal of the teacher.
+#[cfg(unix)]
+#[test]
+fn names_of_folders_are_shown_and_not_obeyed() {
+    let desk = Desk::with(&[("loop.ron", &model("6 1/s"))]);
+    fs::create_dir_all(desk.0.join("students/red\u{1b}[31m")).expect("a folder");
+    let answer = desk.call(&["grade", "students", "--against", "loop.ron", "--out", "graded"]);
+    assert!(answer.out.starts_with("red\\u{1b}[31m "), "{}", answer.out);
+    assert!(!answer.out.contains('\u{1b}'), "{}", answer.out);
+}

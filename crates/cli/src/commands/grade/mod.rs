@@ -197,7 +197,12 @@ fn one(
     if ran.code != Some(0) {
         graded.verdict = if ran.is_late { Verdict::Late } else { Verdict::Fails };
         let late = format!("it has not ended within {} s", args.limit);
-        graded.reason = if ran.is_late { late } else { problem(&ran).unwrap_or_default() };
+        graded.reason = match ran.code {
+            _ if ran.is_late => late,
+            // Whatever it has said before is not why.
+            None => "its run was ended from outside, by a signal".to_owned(),
+            Some(_) => problem(&ran).unwrap_or_default(),
+        };
         return Ok(graded);
     }
     let is_bare = args.abs.is_empty() && args.range.is_none();
@@ -272,7 +277,10 @@ fn differs(found: &Value) -> String {
 
 fn line(graded: &Graded) -> String {
     let reason = if graded.reason.is_empty() { String::new() } else { format!("  {}", graded.reason) };
-    format!("{:<24} {:<14}{reason}\n", graded.name, graded.verdict.word()).trim_end().to_owned() + "\n"
+    let text = format!("{:<24} {:<14}{reason}", graded.name, graded.verdict.word());
+    // Names of folders are those of strangers: what is no sign does nothing to a terminal.
+    let shown = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.trim_end().chars().map(shown).collect::<String>() + "\n"
 }
 
 fn data(graded: &Graded) -> Value {
