@@ -348,7 +348,8 @@ pub(super) fn slopes(
         mixed(point, rows, labels, function)?
     } else {
         let from = taken(point);
-        let cancels = accuracy.max(ROUNDING);
+        // A constraint that is nothing but rounding has no accuracy that says anything.
+        let cancels = accuracy.clamp(ROUNDING, FAITHFUL);
         let (z, out, doubtful) = (vec![0.0; point.len()], vec![0.0; rows], vec![0.0; rows]);
         let mut along =
             Along { function, directions: &directions, cancels, point, from: &from, n, z, out, doubtful };
@@ -422,8 +423,10 @@ fn free(n: usize, point: &[f64], function: &mut impl Function) -> Result<(Direct
     Ok((directions(n, m, &kinds), slopes.accuracy()))
 }
 
-/// Part of its terms that rounding leaves of a slope along several states, where they cancel.
+/// Part of its terms that is left of a slope along several states where they cancel: by rounding, and at most where the directions are
+/// differences.
 const ROUNDING: f64 = 1e-13;
+const FAITHFUL: f64 = 1e-9;
 
 /// A function along the directions in which it can move, from a point on.
 struct Along<'f, F> {
