@@ -27,7 +27,9 @@ pub(crate) fn stepper(schedule: &Schedule) -> Option<Box<dyn Stepper>> {
                 for (i, state) in block.interface.states.iter().enumerate() {
                     let x = block.x + i;
                     tolerances.nominal[x] = state.nominal.unwrap_or(0.0);
-                    tolerances.absolute[x] = tolerances.absolute[x].max(rtol * state.negligible);
+                    if tolerances.automatic {
+                        tolerances.absolute[x] = tolerances.absolute[x].max(rtol * state.negligible);
+                    }
                 }
                 let kin = block.interface.kin.iter();
                 tolerances.kin.extend(kin.map(|own| own.iter().map(|i| block.x + i).collect()));
