@@ -69,18 +69,12 @@ fn heading(found: &Found) -> String {
         text.push_str(&slopes(system));
     }
     if !found.adrift.is_empty() {
-        let names: Vec<String> = found.adrift.iter().take(FEW).map(|name| format!("`{name}`")).collect();
-        let more = found.adrift.len().saturating_sub(FEW);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        text.push_str(&format!("moves on, as nothing depends on it: {}{more}\n", names.join(", ")));
+        text.push_str(&format!("moves on, as nothing depends on it: {}\n", few(&found.adrift)));
     }
     if !system.following.is_empty() {
-        let names: Vec<String> = system.following.iter().take(FEW).map(|name| format!("`{name}`")).collect();
-        let more = system.following.len().saturating_sub(FEW);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         text.push_str(&format!(
-            "no state of its own, as it follows from others: {}{more}\n",
-            names.join(", ")
+            "no state of its own, as it follows from others: {}\n",
+            few(&system.following)
         ));
     }
     for kink in system.kinks.iter().take(FEW) {
@@ -121,6 +115,14 @@ fn heading(found: &Found) -> String {
         }
     }
     text
+}
+
+/// The first of some names, and how many more there are.
+fn few(names: &[String]) -> String {
+    let shown: Vec<String> = names.iter().take(FEW).map(|name| format!("`{name}`")).collect();
+    let more = names.len().saturating_sub(FEW);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("{}{more}", shown.join(", "))
 }
 
 /// How exact slopes are, and where they are differences.
@@ -241,10 +243,7 @@ fn of_model(found: &Found) -> String {
         ));
     }
     if !found.constant.is_empty() {
-        let names: Vec<String> = found.constant.iter().take(FEW).map(|name| format!("`{name}`")).collect();
-        let more = found.constant.len().saturating_sub(FEW);
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        text.push_str(&format!("constant, as nothing acts on it: {}{more}\n", names.join(", ")));
+        text.push_str(&format!("constant, as nothing acts on it: {}\n", few(&found.constant)));
     }
     text.push_str(&poles(&found.modes, system.system.period.is_some()));
     if system.dead.is_empty() {
