@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use blocksim_block::Given;
-use blocksim_block::problem::Problem;
+use blocksim_block::problem::{Problem, Severity};
 use blocksim_block::schedule::BlockPart;
 use blocksim_network::{Member, Network, NetworkProblem, Terminal, assemble};
 use blocksim_scene::Scene;
@@ -191,7 +191,13 @@ fn build(
         })
         .collect();
     match assemble(members, joined) {
-        Ok(network) => Some(network),
+        Ok(network) => {
+            let moved = network.moved().iter().cloned();
+            problems.extend(
+                moved.map(|found| Problem { severity: Severity::Warning, ..placed(flat, group, found) }),
+            );
+            Some(network)
+        }
         Err(found) => {
             problems.extend(found.into_iter().map(|problem| placed(flat, group, problem)));
             None

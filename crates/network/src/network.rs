@@ -12,6 +12,7 @@ use crate::mechanics::rotation::Rotation;
 use crate::mechanics::scene;
 use crate::mechanics::stiction::parts::Stiction;
 use crate::member::Member;
+use crate::problem::NetworkProblem;
 use crate::seat::{Active, Seat};
 
 /// A physical network as one block.
@@ -53,9 +54,16 @@ pub struct Network {
     pub(crate) accounts: Accounts,
     /// Where it lies whether a steady state is sought.
     pub(crate) seeks: usize,
+    /// Values given for the start that are not kept.
+    pub(crate) moved: Vec<NetworkProblem>,
 }
 
 impl Network {
+    /// Values that are given for the start and could not be kept: of joints in closed loops, and of what is coupled to them.
+    pub fn moved(&self) -> &[NetworkProblem] {
+        &self.moved
+    }
+
     /// The members, in the order of their inputs and outputs.
     pub fn members(&self) -> impl Iterator<Item = &Member> {
         self.seats.iter().map(|seat| &*seat.member)

@@ -377,3 +377,51 @@ fn a_joint_with_limits_starts_where_its_loop_closes() {
     assert!(problems.contains("`slide` starts at 0.56904157598234"), "{problems}");
     assert!(problems.contains("above its upper limit of 0.5 m"), "{problems}");
 }
+
+/// A slider-crank of which more is given than it has freedoms: what the run starts with is named, and closes the loop.
+#[test]
+fn start_values_that_do_not_close_a_loop_are_named_with_what_is_taken() {
+    let compiled = |drive: &str, slide: &str| {
+        compile_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "0.1 s"),
+                blocks: {{
+                    "world": World, "drive": RevoluteJoint(axis: [0, -1, 0], {drive}), "crank": Body(mass: 1, moi: [0.1, 0.1, 0.1]),
+                    "arm": Transform(translation: ["0.2 m", "0 m", "0 m"]), "elbow": RevoluteJoint(axis: [0, -1, 0]),
+                    "rod": Transform(translation: ["0.5 m", "0 m", "0 m"]), "wrist": RevoluteJoint(axis: [0, -1, 0]),
+                    "slide": PrismaticJoint(axis: [1, 0, 0], {slide}), "piston": Body(mass: 2, moi: [0.1, 0.1, 0.1]),
+                }},
+                connections: [
+                    "world.frame <-> drive.base <-> slide.base", "drive.follower <-> crank.frame <-> arm.base", "arm.follower <-> elbow.base", "elbow.follower <-> rod.base",
+                    "rod.follower <-> wrist.base", "wrist.follower <-> piston.frame <-> slide.follower",
+                ],
+            )"#
+        ))
+    };
+    let said = |drive: &str, slide: &str| {
+        let (compiled, problems) = compiled(drive, slide);
+        assert!(compiled.schedule.is_some(), "{problems}");
+        problems.lines().filter(|line| line.contains("start_moved")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    // Nothing is given twice, or what is given fits to the digits that are written: 0.2 cos q + sqrt(0.5^2 - (0.2 sin q)^2), and its slope.
+    assert!(said(r#"position: "60 deg", velocity: 1"#, "").is_empty());
+    assert!(said(r#"position: "60 deg", velocity: 1"#, r#"position: 0.569, velocity: -0.210"#).is_empty());
+    let numbers = |line: &str| {
+        let words = line.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
+        words.collect::<Vec<_>>()
+    };
+    let [drive, slide] = &said(r#"position: "60 deg""#, "position: 0.4")[..] else {
+        panic!("two joints move")
+    };
+    assert!(drive.contains("`drive` starts at") && slide.contains("`slide` starts at"), "{drive} {slide}");
+    let (q, x) = (numbers(drive)[0].to_radians(), 1e-3 * numbers(slide)[0]);
+    assert_eq!((numbers(drive)[1], numbers(slide)[1]), (60.0, 400.0));
+    assert!((0.2 * q.cos() + (0.25 - (0.2 * q.sin()).powi(2)).sqrt() - x).abs() < 1e-4, "{drive} {slide}");
+    let fast = said(r#"position: "60 deg", velocity: 1"#, "velocity: 0");
+    let [drive, slide] = &fast[..] else { panic!("{fast:?}") };
+    let (w, v) = (numbers(drive)[0], numbers(slide)[0]);
+    assert_eq!((numbers(drive)[1], numbers(slide)[1]), (1.0, 0.0));
+    let q = 60.0_f64.to_radians();
+    let slope = -0.2 * q.sin() * (1.0 + 0.2 * q.cos() / (0.25 - (0.2 * q.sin()).powi(2)).sqrt());
+    assert!(w > 0.1 && (v - slope * w).abs() < 2e-4, "{drive} {slide}");
+}

@@ -317,6 +317,7 @@ impl Network {
             separate,
             accounts,
             seeks,
+            moved: Vec::new(),
         };
         network.interface.jumps |= network.loops_meet_sources();
         if network.interface.discrete.iter().any(|state| state.changes.is_some()) {

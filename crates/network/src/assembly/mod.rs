@@ -1,5 +1,5 @@
 //! From members and joined ports to a network: `members` numbers the nodes, `eliminate` solves linear relations exactly,
-//! `closing` finds start values that close loops, `layout` gives every value its place, `words` names things for messages, `domains` those of domains
+//! `closing` finds start values that close loops, `moved` notes those that were given and are not kept, `layout` gives every value its place, `words` names things for messages, `domains` those of domains
 //! with nodal analysis.
 
 pub(crate) mod closing;
@@ -7,6 +7,7 @@ pub(crate) mod domains;
 pub(crate) mod eliminate;
 pub(crate) mod layout;
 pub(crate) mod members;
+pub(crate) mod moved;
 pub(crate) mod words;
 
 use crate::assembly::members::Members;
@@ -60,7 +61,10 @@ pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Networ
     let (Some(electrics), Some(frames), Some(rotation)) = (electrics, frames, rotation) else {
         return Err(problems);
     };
-    Network::new(members, rotation, electrics, frames, &fed_by)
+    let moved = moved::moved(&view, &frames, &rotation);
+    let mut network = Network::new(members, rotation, electrics, frames, &fed_by)?;
+    network.moved = moved;
+    Ok(network)
 }
 
 /// Accounts that are connected to nothing.

@@ -16,6 +16,8 @@ pub(crate) struct Frames {
     pub balls: Vec<Ball>,
     /// Positions at the start.
     pub position: Vec<f64>,
+    /// The same as they are given, before loops are closed.
+    pub asked: Vec<f64>,
     /// Names of the positions.
     pub position_names: Vec<String>,
     /// Names of the positions as recorded signals.
@@ -47,6 +49,8 @@ pub(crate) struct JointSpeed {
     pub start: Option<f64>,
     /// The position at the start is given.
     pub given: bool,
+    /// It is a length.
+    pub slides: bool,
 }
 
 /// A ball among the freedoms of a joint.

@@ -71,6 +71,7 @@ pub(crate) fn build(m: &Members) -> Result<Frames, Vec<NetworkProblem>> {
     }
     frames.model = Some(builder.build());
     frames.number_by_member();
+    frames.asked.clone_from(&frames.position);
     closing::assemble(m, &mut frames)?;
     let problems = closing::beyond_travel(m, &frames);
     if !problems.is_empty() {
@@ -156,9 +157,8 @@ fn add_joint(
         frames.body_members.push(member);
         here = Place { body: Some(body), placement: Placement::identity() };
         match &freedoms[k] {
-            Freedom::Turn(axis) | Freedom::Slide(axis) => {
-                add_axis(frames, m.path(member), member, edge.first + k, axis)
-            }
+            Freedom::Turn(axis) => add_axis(frames, m.path(member), member, (edge.first + k, false), axis),
+            Freedom::Slide(axis) => add_axis(frames, m.path(member), member, (edge.first + k, true), axis),
             Freedom::Ball { orientation, velocity } => {
                 let ball = Ball {
                     member,
@@ -174,7 +174,7 @@ fn add_joint(
     Ok(here)
 }
 
-fn add_axis(frames: &mut Frames, path: &str, member: usize, freedom: usize, axis: &Axis) {
+fn add_axis(frames: &mut Frames, path: &str, member: usize, (freedom, slides): (usize, bool), axis: &Axis) {
     let [position, speed] = axis.names;
     frames.speeds.push(JointSpeed {
         member,
@@ -184,6 +184,7 @@ fn add_axis(frames: &mut Frames, path: &str, member: usize, freedom: usize, axis
         name: format!("{path}.{speed}"),
         start: axis.velocity,
         given: axis.position.is_some(),
+        slides,
     });
     frames.position.push(axis.position.unwrap_or(0.0));
     frames.position_names.push(format!("{path}.{position}"));
@@ -213,6 +214,7 @@ fn add_ball(
             name: format!("{path}.w[{k}]"),
             start: speeds.map(|speeds| speeds[k]),
             given: orientation.is_some(),
+            slides: false,
         });
     }
     let length = p.iter().map(|e| e * e).sum::<f64>().sqrt();

@@ -9,7 +9,8 @@ use nalgebra::DMatrix;
 
 use self::faults::{free_cases, indeterminate, over_determined};
 use self::relate::{Geared, Related, Seen, relate};
-use self::start::start;
+pub(crate) use self::start::Wish;
+use self::start::{start, wishes};
 use crate::assembly::eliminate::Form;
 use crate::assembly::members::Members;
 use crate::assembly::words::Words;
@@ -83,6 +84,8 @@ pub(crate) struct Rotation {
     pub drives: Vec<Form>,
     /// Start values of the independent speeds.
     pub start: Vec<f64>,
+    /// Speeds that are given for the start.
+    pub wishes: Vec<Wish>,
     /// Reactions are forms over the residuals of the nodes and of the joints, not of the nodes alone.
     pub needs_joint_balance: bool,
     /// Names of the independent speeds for messages: joint index or node.
@@ -217,6 +220,7 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
     rotation.drives =
         drive_rows.iter().map(|row| row.map_or_else(Form::default, |row| reaction(row, -1.0))).collect();
     rotation.start = start(m, &rotation, frames, &starts)?;
+    rotation.wishes = wishes(m, &rotation, frames, &starts);
     Ok(rotation)
 }
 

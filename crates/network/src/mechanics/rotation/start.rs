@@ -14,6 +14,34 @@ pub(super) struct Start {
     pub member: usize,
 }
 
+/// A speed that is given for the start, by a joint or by an inertia.
+#[derive(Debug, Clone)]
+pub(crate) struct Wish {
+    pub member: usize,
+    /// Over the independent speeds.
+    pub form: Form,
+    pub speed: f64,
+    pub unit: &'static str,
+}
+
+/// What joints and inertias ask for, of those whose speed the sources do not prescribe.
+pub(super) fn wishes(m: &Members, rotation: &Rotation, frames: &Frames, starts: &[Start]) -> Vec<Wish> {
+    let joints = rotation.joints.iter().zip(&rotation.joints_prescribed).zip(&frames.speeds);
+    let joints =
+        joints.filter(|((_, prescribed), _)| prescribed.is_empty()).filter_map(|((form, _), joint)| {
+            let unit = if joint.slides { "m/s" } else { "rad/s" };
+            Some(Wish { member: joint.member, form: form.clone(), speed: joint.start?, unit })
+        });
+    let nodes = starts.iter().filter(|start| rotation.nodes_prescribed[start.node].is_empty());
+    let nodes = nodes.map(|start| Wish {
+        member: start.member,
+        form: rotation.nodes[start.node].clone(),
+        speed: start.speed,
+        unit: Words::of(m.node_domain(start.node)).unit,
+    });
+    joints.chain(nodes).collect()
+}
+
 /// Speeds at the start that inertias ask for; joints bring their own. Independent speeds that nobody asks for are
 /// zero.
 pub(super) fn start(
