@@ -9,7 +9,8 @@
 //! ```
 //!
 //! with the resistances `R` of conducting valves, which may be zero: as conductances they would make currents out of the
-//! rounding of potentials. So
+//! rounding of potentials. So do ordinary resistances where something conducts far less ([`resist`]): beside 1 S, the sum of
+//! a node has nine digits of a leak of 1e-7 S. So
 //! every voltage and every current is a linear form over the given values `(e, i_w, 1)`. Parts of the circuit that
 //! nothing but given currents connects to ground float: one of their nodes is held at zero here, through which no
 //! current flows as long as the given currents obey Kirchhoff's law, and [`Floating`] finds the true potential.
@@ -96,6 +97,7 @@ pub(crate) fn solve(
     let (nodes, given) = (island.nodes.len(), electrics.given());
     let mut branches: Vec<Now> =
         island.two_pins.iter().map(|pin| now(pin.branch, conducting, given - 1)).collect();
+    resist(&mut branches);
     let floating = floating(electrics, island, conducting, &branches)?;
 
     let loops = loops::find(electrics, island, |i| matches!(branches[i], Now::Row(_)));
@@ -192,6 +194,26 @@ pub(crate) fn solve(
     solved.stiff = solved.floating.is_none() && solved.voltages.iter().all(of_sources);
     slopes::known(electrics, island, &solved)?;
     Ok(solved)
+}
+
+/// A conductance beside which another one of its circuit is this small is written as a resistance.
+const LEAKS: f64 = 1e-3;
+
+/// Conductances beside far smaller ones become resistances, with a current of their own.
+fn resist(branches: &mut [Now]) {
+    let conductance = |branch: &Now| match *branch {
+        Now::Conductance(g) | Now::Characteristic(g, _) if g != 0.0 => Some(g.abs()),
+        _ => None,
+    };
+    let least = branches.iter().filter_map(conductance).fold(f64::INFINITY, f64::min);
+    for branch in branches {
+        if let Now::Conductance(g) = *branch
+            && g.recip().is_finite()
+            && g.abs() * LEAKS > least
+        {
+            *branch = Now::Resistance(g.recip(), None);
+        }
+    }
 }
 
 /// The parts that float while certain valves conduct.
