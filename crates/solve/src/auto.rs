@@ -183,7 +183,13 @@ impl Stepper for Auto {
     }
 
     fn back(&mut self) {
+        let found = self.now;
         (self.now, self.change, self.share) = self.before;
+        // Where errors within the tolerance set off conditions, every long step is taken back, and it was as unstable all the same.
+        if !found.stiff && found.against > self.now.against {
+            self.now = Turn { against: found.against, others: 0, ..self.now };
+            self.change = found.against >= STIFF;
+        }
         self.past.clear();
         self.active_mut().back();
     }

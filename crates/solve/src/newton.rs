@@ -107,6 +107,12 @@ impl Newton {
         })
     }
 
+    /// Something else may be at work from here: a valve that conducts makes a Jacobian of before larger by many orders than that of now, and
+    /// such a one hides nearly all that a correction should be.
+    pub fn distrust(&mut self) {
+        self.slopes = Age::Unknown;
+    }
+
     /// A new step begins: the Jacobian is one of before.
     pub fn begin(&mut self) {
         if self.slopes == Age::Current {

@@ -449,6 +449,7 @@ impl Stepper for Ode15s {
         self.weights.note(*t, x);
         if !self.begun || self.last.t1 != *t || self.differences[..x.len()] != *x {
             self.begun = false;
+            self.newton.distrust();
             self.begin(system, *t, limit)?;
         }
         self.before.0.copy_from_slice(&self.differences);

@@ -231,6 +231,9 @@ impl<const DAMPED: bool> Method for TrBdf2<DAMPED> {
     fn begin(&mut self, work: &mut Work, t: f64, x: &[f64], known: bool) -> Result<(), Fault> {
         self.newton.begin();
         self.newton.doubt();
+        if !known {
+            self.newton.distrust();
+        }
         self.before = self.tried.take().filter(|_| known);
         if known {
             let [past, past_slope] = &mut self.past;

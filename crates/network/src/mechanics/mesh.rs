@@ -164,7 +164,10 @@ fn iterate(s: &mut MeshScratch, law: &Coupled, n: usize) -> bool {
     s.torque.copy_from_slice(c);
     let onsets = s.onset[..n].iter_mut().zip(meshes.iter().zip(speed));
     onsets.for_each(|(to, (mesh, speed))| *to = onset(mesh, *speed));
-    let scale = c.iter().fold(1e-9_f64, |max, value| max.max(value.abs()));
+    // Bearings take their torque even where nothing passes.
+    let bearings = s.dry[..n].iter().filter(|(_, sense)| *sense != 0.0);
+    let bearings = bearings.map(|(law, sense)| law.loss(0.0, *sense).0.abs());
+    let scale = c.iter().map(|value| value.abs()).chain(bearings).fold(1e-9_f64, f64::max);
     let mut error = s.residual(law, false, n);
     for _ in 0..ITERATIONS {
         if error <= 1e-13 * scale {
