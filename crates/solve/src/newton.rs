@@ -11,6 +11,9 @@ use crate::adaptive::{Fault, Work};
 use crate::jacobian::{Age, Jacobian, Slopes};
 use crate::shake::shake;
 
+/// What is left of the equation of a state, in units of its tolerance, from which on a small correction of it is looked at again. Less
+/// is no more than what other errors of a step come to, and would be looked at in nearly every step.
+const HIDDEN: f64 = 3.0;
 /// Iterations of one equation, at most.
 const ITERATIONS: usize = 4;
 /// Error of the iteration, as a part of what the step may err by.
@@ -44,6 +47,8 @@ pub(crate) struct Newton {
     pub correction: Vec<f64>,
     /// The correction before.
     before: Vec<f64>,
+    /// What was left of the equation before the last correction.
+    left: Vec<f64>,
     /// A state with other last bits, and what that changes in a correction.
     shaken: Vec<f64>,
     noise: Vec<f64>,
@@ -58,6 +63,24 @@ pub(crate) struct Equation<'a> {
     /// State at the start of the step, and its size, by which errors are weighed.
     pub x0: &'a [f64],
     pub h: f64,
+}
+
+/// A correction of one state: what was left of its equation, the correction that this has led to, and the one before.
+pub(crate) struct Change {
+    pub left: f64,
+    pub now: f64,
+    pub before: f64,
+}
+
+impl Change {
+    /// Whether state `i` may be far from what it should be, in a step of the size `h`: with a Jacobian that is too large, of before or of the
+    /// start of the step, a correction is too small by as much. What was left of the equation tells how much that may be. Where the
+    /// correction before is one of the same Jacobian too (`seen`), one that has become smaller speaks for it.
+    pub fn hides(&self, work: &Work, magnitude: f64, (i, h): (usize, f64), seen: bool) -> bool {
+        let least = 100.0 * f64::EPSILON / work.weights.relative().max(f64::EPSILON);
+        let unit = work.weights.scale(i, magnitude, h);
+        self.left > HIDDEN * unit && self.now > least * unit && !(seen && self.now <= SLOW * self.before)
+    }
 }
 
 /// How an iteration ended.
@@ -87,6 +110,7 @@ impl Newton {
             step: zeros(),
             correction: zeros(),
             before: zeros(),
+            left: zeros(),
             shaken: zeros(),
             noise: zeros(),
         }
@@ -111,6 +135,15 @@ impl Newton {
     /// such a one hides nearly all that a correction should be.
     pub fn distrust(&mut self) {
         self.slopes = Age::Unknown;
+    }
+
+    /// Whether a state may be far from what it should be, although its last correction is small.
+    fn hides(&self, work: &Work, x0: &[f64], x1: &[f64], h: f64, seen: bool) -> bool {
+        let changes = self.left.iter().zip(&self.correction).zip(&self.before).enumerate();
+        changes.into_iter().any(|(i, ((left, now), before))| {
+            let change = Change { left: left.abs(), now: now.abs(), before: before.abs() };
+            change.hides(work, x0[i].abs().max(x1[i].abs()), (i, h), seen)
+        })
     }
 
     /// A new step begins: the Jacobian is one of before.
@@ -205,6 +238,7 @@ impl Newton {
             for (i, correction) in self.correction.iter_mut().enumerate() {
                 *correction = g * self.f[i] - known[i] - self.step[i];
             }
+            self.left.copy_from_slice(&self.correction);
             self.jacobian.solve(&mut self.correction);
             for i in 0..self.step.len() {
                 self.step[i] += self.correction[i];
@@ -227,7 +261,10 @@ impl Newton {
                 let left = size * rate / (1.0 - rate);
                 // With the Jacobian of now what stands until the end is noise.
                 let last = iteration + 1 == ITERATIONS && self.slopes == Age::Current;
-                if left <= CONVERGED && (iteration == 0 || last || !self.stands(work, x0, x1, h)) {
+                if left <= CONVERGED
+                    && (iteration == 0 || last || !self.stands(work, x0, x1, h))
+                    && !self.hides(work, x0, x1, h, iteration > 1)
+                {
                     return Iteration::Converged;
                 }
                 let more = (ITERATIONS - 1 - iteration) as i32;

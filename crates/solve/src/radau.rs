@@ -13,7 +13,7 @@
 use crate::System;
 use crate::adaptive::{Adaptive, Fault, Method, Span, Work};
 use crate::jacobian::{Age, Jacobian, Twice};
-use crate::newton::{Convergence, MORE, ROUNDING, SHAKEN, STANDING};
+use crate::newton::{Change, Convergence, MORE, ROUNDING, SHAKEN, STANDING};
 use crate::shake::shake;
 use crate::stepper::Stages;
 
@@ -83,6 +83,9 @@ pub struct RadauIIA {
     /// Corrections that are left, and what the last bits of the states change in them.
     left: Vec<[f64; 3]>,
     noise: Vec<f64>,
+    /// What was left of the equations of each state before the last correction, and the correction before: the largest of the three.
+    missing: Vec<f64>,
+    past: Vec<f64>,
     /// Size of the step before, if `z` are its stages and may be continued; and of a trial from the same start.
     before: Option<f64>,
     tried: Option<f64>,
@@ -149,9 +152,21 @@ impl RadauIIA {
             self.both[i] = of(&I[1]) / a - self.w[1][i] - b / a * self.w[2][i];
             self.both[n + i] = of(&I[2]) / a - self.w[2][i] + b / a * self.w[1][i];
         }
+        for i in 0..n {
+            self.missing[i] = largest(self.corrections(i));
+        }
         self.jacobian.solve(&mut self.one);
         self.pair.solve(&mut self.both);
         Ok(())
+    }
+
+    /// Whether a state may be far from what it should be, although its last corrections are small, as for a single equation.
+    fn hides(&self, work: &Work, x0: &[f64], x1: &[f64], h: f64, seen: bool) -> bool {
+        (0..x0.len()).any(|i| {
+            let change =
+                Change { left: self.missing[i], now: largest(self.corrections(i)), before: self.past[i] };
+            change.hides(work, x0[i].abs().max(x1[i].abs()), (i, h), seen)
+        })
     }
 
     /// The corrections of a state, in the other coordinates.
@@ -248,7 +263,7 @@ impl RadauIIA {
                 }
                 slowest = slowest.max(rate);
                 let left = rate / (1.0 - rate) * size;
-                if left <= CONVERGED {
+                if left <= CONVERGED && !self.hides(work, x0, x1, h, iteration > 1) {
                     self.quick = slowest <= QUICK;
                     return Iteration::Converged;
                 }
@@ -257,6 +272,9 @@ impl RadauIIA {
                 }
             }
             size_before = size;
+            for i in 0..n {
+                self.past[i] = largest(self.corrections(i));
+            }
         }
         Iteration::Slow
     }
@@ -276,6 +294,10 @@ impl RadauIIA {
         }
         Ok(())
     }
+}
+
+fn largest(values: [f64; 3]) -> f64 {
+    values.iter().fold(0.0, |most, value| most.max(value.abs()))
 }
 
 /// How much the state has changed at a fraction of the step.
@@ -320,6 +342,8 @@ impl Method for RadauIIA {
             one: zeros(),
             left: vec![[0.0; 3]; n],
             noise: zeros(),
+            missing: zeros(),
+            past: zeros(),
             before: None,
             tried: None,
             off: zeros(),

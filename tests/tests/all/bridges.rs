@@ -326,3 +326,73 @@ fn a_machine_starts_behind_valves_without_forward_voltage_whatever_their_resista
         assert!((found - expected).abs() < 0.02 * expected.abs(), "{device}, {r_on}: {found} != {expected}");
     }
 }
+
+/// A half-controlled bridge of ideal valves that leak, before a voltage of its own: two valves pass zero at once on what leaks, which is
+/// nothing beside the resistance of the load.
+#[test]
+fn valves_commutate_together_on_what_leaks() {
+    let (emf, r, l) = (30.0, 1.0, 50e-3);
+    let run = run_text(
+        r#"Diagram(
+    simulation: (stop_time: "9.5 ms", output: Every("0.1 ms")),
+    blocks: {
+        "e": VoltageSource(v: "30 V"), "s": AcVoltageSource(amplitude: Peak("100 V"), frequency: "50 Hz"),
+        "t1": Thyristor(v_f: 0, r_on: 0, g_off: 1e-7), "d1": Diode(v_f: 0, r_on: 0, g_off: 1e-7),
+        "t2": Thyristor(v_f: 0, r_on: 0, g_off: 1e-7), "d2": Diode(v_f: 0, r_on: 0, g_off: 1e-7),
+        "p1": Pulse(period: "20 ms", width: "10 %", delay: "2 ms"), "c1": Compare(operator: Greater, constant: 0.5),
+        "p2": Pulse(period: "20 ms", width: "10 %", delay: "12 ms"), "c2": Compare(operator: Greater, constant: 0.5),
+        "r": Resistor(r: 1), "l": Inductor(l: 50e-3), "g": ElectricalReference, "show": Scope(inputs: ["i"]),
+    },
+    connections: [
+        "p1.y -> c1.u", "c1.y -> t1.gate", "p2.y -> c2.u", "c2.y -> t2.gate", "l.n <-> e.p", "t1.p <-> d1.n <-> s.p",
+        "t2.p <-> d2.n <-> s.n", "r.p <-> t1.n <-> t2.n", "g.p <-> e.n <-> d1.p <-> d2.p", "r.n <-> l.p", "l.i -> show.i",
+    ],
+)"#,
+    );
+    // From 2 ms on the source drives R and L against the voltage.
+    let w = TAU * 50.0;
+    let z2 = r * r + w * w * l * l;
+    let forced = |t: f64| 100.0 * (r * (w * t).sin() - w * l * (w * t).cos()) / z2 - emf / r;
+    for t in [2.5e-3, 5e-3, 9.5e-3] {
+        let expected = forced(t) - forced(2e-3) * (-(t - 2e-3) * r / l).exp();
+        close(run.at("show.i", t), expected, 2e-5, &format!("at {t} s"));
+    }
+}
+
+/// A bridge whose choke has the current of the load through a leak while a valve blocks, which is stiff by 2e10 1/s, and shares it
+/// with another valve while that conducts, which is not. What the leak carries is nothing beside it.
+#[test]
+fn a_choke_before_a_bridge_is_stiff_only_while_a_valve_blocks() {
+    let bridge = |leak: f64, solver: &str| {
+        let valve = |kind: &str| format!("{kind}(v_f: 0, r_on: 0.01, g_off: {leak:?})");
+        let run = run_text(&format!(
+            r#"Diagram(
+    simulation: (stop_time: "100 ms", solver: {solver}),
+    blocks: {{
+        "t1": {t}, "t2": {t}, "d1": {d}, "d2": {d},
+        "s": AcVoltageSource(amplitude: Peak("100 V"), frequency: "50 Hz"), "ls": Inductor(l: 0.5e-3),
+        "p1": Pulse(period: "20 ms", width: "5 %", delay: "1.666667 ms"), "c1": Compare(operator: Greater, constant: 0.5),
+        "p2": Pulse(period: "20 ms", width: "5 %", delay: "11.666667 ms"), "c2": Compare(operator: Greater, constant: 0.5),
+        "r": Resistor(r: 1), "l": Inductor(l: 20e-3), "g": ElectricalReference, "show": Scope(inputs: ["i"]),
+    }},
+    connections: [
+        "p1.y -> c1.u", "c1.y -> t1.gate", "p2.y -> c2.u", "c2.y -> t2.gate", "s.p <-> ls.p", "t1.p <-> t2.n <-> ls.n",
+        "d1.p <-> d2.n <-> s.n", "r.p <-> t1.n <-> d1.n", "l.n <-> g.p <-> t2.p <-> d2.p", "r.n <-> l.p", "l.i -> show.i",
+    ],
+)"#,
+            t = valve("Thyristor"),
+            d = valve("Diode")
+        ));
+        assert!(run.error.is_none(), "{solver}: {:?}", run.error);
+        run
+    };
+    let without = bridge(0.0, "Ode45(rtol: 1e-9)").last("show.i");
+    for (solver, most) in
+        [("Auto", 2500), ("Ode15s", 2000), ("Ode23t", 2500), ("Ode23tb", 2000), ("Radau5", 700)]
+    {
+        let run = bridge(1e-7, solver);
+        let found = run.last("show.i");
+        assert!((found / without - 1.0).abs() < 2e-4, "{solver}: {found}, without leaks {without}");
+        assert!(run.counts.accepted < most, "{solver}: {:?}", run.counts);
+    }
+}

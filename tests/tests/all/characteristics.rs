@@ -249,3 +249,49 @@ fn a_flow_that_is_no_number_is_called_so() {
     assert!(message.contains("its volume flow is not a finite number"), "{message}");
     assert!(!message.contains("went"), "nothing was searched: {message}");
 }
+
+/// A choke in series with a diode that blocks is stiff by 1e12 1/s, and not at all as soon as the diode conducts. The reference is
+/// the rule of Euler backward in small steps, whose one equation is solved by bisection.
+#[test]
+fn a_diode_that_begins_to_conduct_is_seen_by_all_stiff_methods() {
+    let (peak, w) = (5.0, std::f64::consts::TAU * 400.0);
+    let (l, l2, r, c, leak) = (1e-4, 2e-3, 100.0, 1e-4, 1e8);
+    let thermal = 1.380_649e-23 * 300.15 / 1.602_176_634e-19;
+    let diode = |v: f64| 1e-12 * (v / thermal).exp_m1() + v * (1e-12 + 1.0 / leak);
+    let (h, steps) = (2e-7, 100_000);
+    let (mut i, mut v_c, mut i2) = (0.0, 0.0, 0.0);
+    for k in 1..=steps {
+        let source = peak * (w * h * f64::from(k)).sin();
+        let (a, b) = (h / l2, 1.0 + h * r / l2);
+        let charged = |i: f64| (v_c + h / c * (i - i2 / b)) / (1.0 + h * a / (c * b));
+        let (mut lower, mut upper) = (-50.0, 5.0);
+        for _ in 0..60 {
+            let v = 0.5 * (lower + upper);
+            let over = source - v - charged(diode(v)) - l * (diode(v) - i) / h;
+            if over > 0.0 { lower = v } else { upper = v }
+        }
+        let next = diode(0.5 * (lower + upper));
+        v_c = charged(next);
+        i2 = (i2 + a * v_c) / b;
+        i = next;
+    }
+    for method in ["Auto", "Ode15s", "Radau5", "Ode23t", "Ode23tb", "Rodas4", "RosW3"] {
+        let run = run_text(&format!(
+            r#"Diagram(
+    simulation: (stop_time: "20 ms", solver: {method}),
+    blocks: {{
+        "s": AcVoltageSource(amplitude: Peak("5 V"), frequency: "400 Hz"), "d": ExponentialDiode(i_s: 1e-12), "lk": Resistor(r: 1e8),
+        "l": Inductor(l: 1e-4), "l2": Inductor(l: 2e-3), "r": Resistor(r: 100), "c": Capacitor(c: 1e-4), "g": ElectricalReference,
+        "vs": VoltageSensor, "x": Scope(inputs: ["v"]),
+    }},
+    connections: [
+        "s.p <-> l.p", "l.n <-> d.p <-> lk.p", "d.n <-> lk.n <-> r.p <-> vs.p <-> c.p", "r.n <-> l2.p",
+        "l2.n <-> c.n <-> s.n <-> vs.n <-> g.p", "vs.v -> x.v",
+    ],
+)"#
+        ));
+        assert!(run.error.is_none(), "{method}: {:?}", run.error);
+        let found = run.last("x.v");
+        assert!((found / v_c - 1.0).abs() < 3e-4, "{method}: {found}, but {v_c}");
+    }
+}

@@ -1,6 +1,6 @@
 //! Gears with losses that stick: closed forms of rolling, stopping, locking.
 
-use blocksim_tests::{Run, compile_text, run};
+use blocksim_tests::{Run, compile_text, run, run_blocks};
 
 /// Runs a train: torque of the motor, rotor, gear, load inertia, torque on the load.
 fn train(stop: &str, solver: &str, gear: &str, rotor: &str, load: &str, push: &str, weight: &str) -> Run {
@@ -302,5 +302,35 @@ fn a_load_behind_a_lossy_gear_breaks_loose_where_the_gear_gives_what_it_holds() 
                 close(slips, expected, 1e-8 * expected);
             }
         }
+    }
+}
+
+/// What passes through the mesh fades with the speed, and what its bearings take stays: the equation of the mesh is as large as that.
+#[test]
+fn a_train_that_coasts_against_a_damper_comes_to_rest() {
+    let (drag, bearing, ratio) = (0.02, 0.1, 3.0);
+    let (rotor, load, speed) = (0.01, 0.05, 2.0);
+    // J dw/dt = -drag w - bearing at the base.
+    let inertia = rotor + load / (ratio * ratio);
+    let stop = inertia / drag * f64::ln(1.0 + drag * ratio * speed / bearing);
+    let turned = (inertia * speed * ratio - bearing * stop) / drag / ratio;
+    for solver in ["Auto", "Ode45(rtol: 1e-9)", "Radau5(rtol: 1e-8)", "Ode15s", "RosW3"] {
+        let run = run_blocks(
+            "2 s",
+            solver,
+            &format!(
+                r#""motor": Inertia(j: {rotor}), "drag": RotationalDamper(d: {drag}), "h": RotationalReference,
+                   "gear": LossyGear(ratio: {ratio:?}, direction: Same, losses: [(0.0, 1.0, 1.0, {bearing}, {bearing})]),
+                   "load": Inertia(j: {load}, w0: {speed:?}), "s": MotionSensor, "scope": Scope(inputs: ["w", "phi"])"#
+            ),
+            r#""motor.r <-> gear.base <-> drag.r", "gear.follower <-> load.r <-> s.r", "drag.c <-> s.c <-> h.r", "s.w -> scope.w",
+               "s.phi -> scope.phi""#,
+        );
+        assert!(run.error.is_none(), "{solver}: {:?}", run.error);
+        let stops: Vec<f64> = run.events.iter().filter(|e| e.1 == "gear").map(|e| e.0).collect();
+        assert_eq!(stops.len(), 1, "{solver}: {:?}", run.events);
+        close(stops[0], stop, 1e-5);
+        close(run.last("scope.phi"), turned, 1e-5);
+        assert_eq!(run.last("scope.w"), 0.0, "{solver}");
     }
 }

@@ -77,7 +77,7 @@ fn stiff_problems_end_where_the_literature_says_with_little_work() {
 }
 
 /// Evaluations of the problems above.
-const PINNED: [[u64; 3]; 4] = [[1880, 3101, 4584], [1229, 1814, 3094], [762, 1042, 1715], [2441, 3899, 6660]];
+const PINNED: [[u64; 3]; 4] = [[1935, 2927, 4914], [1360, 2395, 4032], [769, 1141, 1877], [2584, 3951, 6809]];
 
 #[test]
 fn a_jacobian_of_before_hides_no_state_behind_the_others() {
@@ -117,7 +117,7 @@ fn a_rod_of_a_thousand_cells_is_solved_with_a_sparse_jacobian() {
     }
     let counts = stepper.counts();
     // 38 of the evaluations tell which entries there are.
-    assert_eq!((counts.evaluations, counts.accepted, counts.jacobians), (2073, 1236, 2));
+    assert_eq!((counts.evaluations, counts.accepted, counts.jacobians), (2604, 1231, 2));
 }
 
 const VAN_DER_POL: [f64; 2] = [1.706_167_732_170_469, -0.892_809_701_024_812_5e-3];
@@ -281,16 +281,16 @@ fn auto_solves_the_stiff_problems_by_default() {
 fn radau_gains_digits_where_tolerances_are_tight() {
     type Case<'a> = (&'a str, Box<dyn System>, &'a [f64], f64, &'a [f64], [u64; 2]);
     let cases: [Case; 3] = [
-        ("Van der Pol", Box::new(van_der_pol(1000.0)), &[2.0, 0.0], 2000.0, &VAN_DER_POL, [7265, 18_972]),
+        ("Van der Pol", Box::new(van_der_pol(1000.0)), &[2.0, 0.0], 2000.0, &VAN_DER_POL, [7468, 19_529]),
         (
             "HIRES",
             Box::new(hires()),
             &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0057],
             321.8122,
             &HIRES,
-            [3721, 9940],
+            [3739, 9973],
         ),
-        ("Oregonator", Box::new(oregonator()), &[1.0, 2.0, 3.0], 360.0, &OREGONATOR, [9839, 26_204]),
+        ("Oregonator", Box::new(oregonator()), &[1.0, 2.0, 3.0], 360.0, &OREGONATOR, [10_271, 27_160]),
     ];
     for (name, mut system, start, end, expected, pinned) in cases {
         let mut found = [0; 2];
