@@ -1,6 +1,6 @@
 //! What physics has no answer to is refused with place, reason and remedy; exact zeros are taken wherever it has one.
 
-use blocksim_tests::{compile_text, run};
+use blocksim_tests::{compile_text, run, run_text};
 use expect_test::{Expect, expect};
 
 /// What is said of a diagram with these blocks and connections, before it runs or while it does.
@@ -424,4 +424,27 @@ fn start_values_that_do_not_close_a_loop_are_named_with_what_is_taken() {
     let q = 60.0_f64.to_radians();
     let slope = -0.2 * q.sin() * (1.0 + 0.2 * q.cos() / (0.25 - (0.2 * q.sin()).powi(2)).sqrt());
     assert!(w > 0.1 && (v - slope * w).abs() < 2e-4, "{drive} {slide}");
+}
+
+/// A sensor of torques is rigid: what is joined to its case is held by what is at its rod, whichever way round it is.
+#[test]
+fn a_case_may_be_joined_to_the_case_of_a_sensor() {
+    let ends = |sensor: &str| {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "1 s"),
+                blocks: {{
+                    "a": Inertia(j: 0.1, w0: 10), "b": Inertia(j: 0.2), "ts": TorqueSensor, "k": Clutch(torque: 5), "n": Constant(value: 0.1),
+                    "m": MotionSensor, "h": RotationalReference, "show": Scope(inputs: ["w", "tau"]),
+                }},
+                connections: ["a.r <-> k.r", {sensor}, "n.y -> k.normal", "b.r <-> m.r", "m.c <-> h.r", "m.w -> show.w", "ts.tau -> show.tau"],
+            )"#
+        ));
+        (run.last("show.w"), run.at("show.tau", 0.1))
+    };
+    let ((w, tau), (turned, other)) =
+        (ends(r#""k.c <-> ts.r", "ts.c <-> b.r""#), ends(r#""k.c <-> ts.c", "ts.r <-> b.r""#));
+    // 0.5 N*m turn the load until both have one speed.
+    assert!((w - 0.5 / 0.2).abs() < 1e-9 && (turned - w).abs() < 1e-9, "{w} {turned}");
+    assert!((tau.abs() - 0.5).abs() < 1e-9 && (other + tau).abs() < 1e-9, "{tau} {other}");
 }

@@ -89,21 +89,30 @@ pub(super) fn indeterminate(reasons: &[Reason]) -> NetworkProblem {
 pub(super) fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
     let mut only_case = vec![None; rotation.nodes.len()];
     let mut other = vec![false; rotation.nodes.len()];
+    // A sensor of torques passes on what is joined to its case, and nothing where it is alone there.
+    let (mut cases, mut rigid) = (vec![0; rotation.nodes.len()], vec![false; rotation.nodes.len()]);
     for (member, element) in m.elements() {
         match *element {
+            Element::Rigid { r, c } => {
+                only_case[m.node(member, c)] = Some(member);
+                other[m.node(member, r)] = true;
+                cases[m.node(member, c)] += 1;
+                rigid[m.node(member, c)] = true;
+            }
             Element::Branch { r, c }
             | Element::Friction { r, c }
-            | Element::Rigid { r, c }
             | Element::SpeedSource { r, c }
             | Element::SpeedProbe { r, c } => {
                 only_case[m.node(member, c)] = Some(member);
                 other[m.node(member, r)] = true;
+                cases[m.node(member, c)] += 1;
             }
             Element::Joint { ref freedoms, .. } => {
                 for (r, c) in freedoms.iter().filter_map(Freedom::axis).filter_map(|axis| axis.drive) {
                     if !(m.alone(member, r) && m.alone(member, c)) {
                         only_case[m.node(member, c)] = Some(member);
                         other[m.node(member, r)] = true;
+                        cases[m.node(member, c)] += 1;
                     }
                 }
             }
@@ -123,7 +132,8 @@ pub(super) fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem
     only_case
         .iter()
         .enumerate()
-        .filter(|(node, _)| !other[*node] && !rotation.nodes[*node].is_empty())
+        .filter(|(node, _)| !other[*node] && !(rigid[*node] && cases[*node] > 1))
+        .filter(|(node, _)| !rotation.nodes[*node].is_empty())
         .filter_map(|(node, member)| {
             let reference = Words::of(m.node_domain(node)).reference;
             let problem = NetworkProblem::new(
