@@ -485,5 +485,5 @@ fn the_transistor_amplifier_ends_where_the_literature_says() {
         }
         found.push((run.counts.accepted, run.counts.evaluations));
     }
-    assert_eq!(found, [(727, 3074), (1350, 4665), (2822, 8112), (757, 10_797), (1365, 4653), (1677, 23_879)]);
+    assert_eq!(found, [(690, 3126), (1359, 4870), (2824, 8708), (757, 10_820), (1369, 4757), (1677, 23_879)]);
 }
