@@ -132,7 +132,7 @@ pub(super) fn free_cases(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem
     only_case
         .iter()
         .enumerate()
-        .filter(|(node, _)| !other[*node] && !(rigid[*node] && cases[*node] > 1))
+        .filter(|(node, _)| !(other[*node] || rigid[*node] && cases[*node] > 1))
         .filter(|(node, _)| !rotation.nodes[*node].is_empty())
         .filter_map(|(node, member)| {
             let reference = Words::of(m.node_domain(node)).reference;
