@@ -3,7 +3,9 @@
 //!
 //! What is sought is a state x = predicted + d with g f(t, x) = known + d. The Jacobian is kept until the iteration is slow,
 //! its factors until g changes, and the rate of convergence that was seen with them tells after a single correction
-//! whether another is needed. That rate is one of the norm; from the second correction on each state is looked at as well.
+//! whether another is needed. That rate is one of the norm; from the second correction on each state is looked at as well. A Jacobian
+//! that is far too large makes corrections small whether or not they are right, so after an event it is a new one, and where much is
+//! left of an equation its small correction has to be followed by a smaller one.
 //!
 //! E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, section IV.8.
 

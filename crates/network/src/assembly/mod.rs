@@ -1,6 +1,6 @@
 //! From members and joined ports to a network: `members` numbers the nodes, `eliminate` solves linear relations exactly,
-//! `closing` finds start values that close loops, `moved` notes those that were given and are not kept, `layout` gives every value its place, `words` names things for messages, `domains` those of domains
-//! with nodal analysis.
+//! `closing` finds start values that close loops, `moved` notes those that were given and are not kept, `layout` gives every value its
+//! place, `words` names things for messages, `domains` those of domains with nodal analysis.
 
 pub(crate) mod closing;
 pub(crate) mod domains;

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! with the resistances `R` of conducting valves, which may be zero: as conductances they would make currents out of the
-//! rounding of potentials. So do ordinary resistances where something conducts far less ([`resist`]): beside 1 S, the sum of
-//! a node has nine digits of a leak of 1e-7 S. So
+//! rounding of potentials. Ordinary resistances are among them where something else conducts far less ([`resist`]): beside 1 S,
+//! the sum of the conductances of a node has nine digits of a leak of 1e-7 S. So
 //! every voltage and every current is a linear form over the given values `(e, i_w, 1)`. Parts of the circuit that
 //! nothing but given currents connects to ground float: one of their nodes is held at zero here, through which no
 //! current flows as long as the given currents obey Kirchhoff's law, and [`Floating`] finds the true potential.
