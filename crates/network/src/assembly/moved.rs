@@ -43,7 +43,11 @@ fn positions(m: &Members, frames: &Frames) -> Vec<NetworkProblem> {
         if speed.slides && way > DIGITS * reach.max(given.abs()) {
             warn(
                 speed.member,
-                format!("starts at {:.3} mm in the place of {:.3} mm", 1e3 * taken, 1e3 * given),
+                format!(
+                    "starts at {} mm in the place of {} mm",
+                    five_digits(1e3 * taken),
+                    five_digits(1e3 * given)
+                ),
             );
         } else if !speed.slides && way > DIGITS {
             let (taken, given) = (taken.to_degrees(), given.to_degrees());
@@ -64,6 +68,11 @@ fn positions(m: &Members, frames: &Frames) -> Vec<NetworkProblem> {
     found
 }
 
+/// Whatever the size: a slow speed is no zero.
+fn five_digits(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}
+
 fn speeds(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
     let fastest = rotation.start.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let wishes = rotation.wishes.iter().map(|wish| (wish, wish.form.of(&rotation.start)));
@@ -77,9 +86,10 @@ fn speeds(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {
             continue;
         }
         let message = format!(
-            "`{}` starts at {taken:.4} {unit} in the place of {:.4} {unit}, as the parts that it is coupled to allow nothing else",
+            "`{}` starts at {} {unit} in the place of {} {unit}, as the parts that it is coupled to allow nothing else",
             m.path(wish.member),
-            wish.speed,
+            five_digits(taken),
+            five_digits(wish.speed),
             unit = wish.unit
         );
         let help = "leave out the speeds at the start that follow from the others, or give values that fit";
