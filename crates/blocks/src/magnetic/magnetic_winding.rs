@@ -14,6 +14,9 @@ const CORE: Handle = Handle::new("core");
 /// Several windings on one path are a transformer; each then needs a `Reluctance` in parallel for its leakage, as the fluxes of
 /// windings without leakage are no states of their own.
 ///
+/// The current follows from the magnetic circuit and needs a path at every instant: a valve or a contact in series needs a `g_off`, and where
+/// the winding meets nothing but another one, an inductor, a motor or a current source, connect a resistance from there to the other side.
+///
 /// With `heat_port: true` the heat of the resistance leaves by the thermal port `h`.
 ///
 /// ```ron
