@@ -23,6 +23,21 @@ pub struct State {
     pub nominal: Option<f64>,
     /// A magnitude of it that counts as nothing, where the block knows one; 0 where it does not.
     pub negligible: f64,
+    /// The least value that its law knows, where there is one: temperatures end at absolute zero.
+    pub floor: Option<Floor>,
+}
+
+/// The least value of a state that its law knows. A run that has gone below it is no failure, but there is a warning at its end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Floor {
+    /// In SI units.
+    pub value: f64,
+    /// What is there, for the sentence that the state has been below it: `absolute zero`.
+    pub name: &'static str,
+    /// Symbol of the SI unit of the state.
+    pub unit: &'static str,
+    /// What to do, as a sentence without a full stop.
+    pub help: &'static str,
 }
 
 /// One discrete state: a sampled state, a mode or a cell of a memory.
@@ -309,7 +324,14 @@ impl Interface {
 
     /// Adds a continuous state of a dimension, if it is known.
     pub fn state_in(mut self, name: impl Into<String>, initial: f64, dimension: Option<Dimension>) -> Self {
-        self.states.push(State { name: name.into(), initial, dimension, nominal: None, negligible: 0.0 });
+        self.states.push(State {
+            name: name.into(),
+            initial,
+            dimension,
+            nominal: None,
+            negligible: 0.0,
+            floor: None,
+        });
         self
     }
 

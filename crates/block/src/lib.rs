@@ -42,8 +42,8 @@ pub use defaults::in_diagram;
 pub use draft::{BlockKind, Draft, Fields};
 pub use given::{Given, ParamUnits};
 pub use interface::{
-    Constraint, Crossing, Discrete, Guard, Interface, InterfaceError, JumpPhrase, MOST_MEMORY, Merging,
-    RecordRequest, Ring, State,
+    Constraint, Crossing, Discrete, Floor, Guard, Interface, InterfaceError, JumpPhrase, MOST_MEMORY,
+    Merging, RecordRequest, Ring, State,
 };
 pub use invariant::Invariant;
 pub use param_errors::ParamErrors;
@@ -78,7 +78,7 @@ pub mod prelude {
         Component, Energy, Fed, Flowing, Gives, Known, Loaded, Moving, Needs, Part, Reading, Torque,
     };
     pub use crate::{
-        Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Given, Input,
+        Block, BlockInfo, BlockKind, BlockMeta, Bus, Context, Crossing, Discrete, Files, Floor, Given, Input,
         Inspect, Interface, InterfaceError, LoadError, MOST_PORTS, Output, ParamError, ParamErrors,
         ParamValue, Parameters, Piece, PortType, Ring, Scratch, Shapes, State, at_least, count, finite,
         not_negative, ordered, positive,

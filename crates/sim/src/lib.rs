@@ -13,13 +13,14 @@
 //! | `program` | the schedule as it is run: flat (`plan`), laws as tapes (`fused`), machine code (`native`), what depends on what (`graph`, `spread`, `influence`), for those who print it (`listing`) |
 //! | `rows` | what is recorded (`record`), on which sides of sample hits (`sides`), and within steps (`refine`) |
 //! | `variation` | what if: a simulation at one instant (`frozen`), signals changed from outside (`taps`), from one sample hit to the next (`period`), slopes by the chain rule (`chain`), derivatives by parameters (`sensitivity`) |
-//! | `steady`, `verify`, `ignored_states`, `coarse_step` | where nothing moves; how far a more exact run is; states below all tolerances; fixed steps too long for a source |
+//! | `steady`, `verify`, `ignored_states`, `floors`, `coarse_step` | where nothing moves; how far a more exact run is; states below all tolerances; states where no law holds; fixed steps too long for a source |
 
 mod coarse_step;
 mod diagnose;
 mod error;
 mod evaluation;
 mod events;
+mod floors;
 mod ignored_states;
 mod program;
 mod rows;

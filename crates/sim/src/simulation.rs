@@ -15,6 +15,7 @@ use crate::events::kinks::Kinks;
 use crate::events::looks::Looks;
 use crate::events::modes::Modes;
 use crate::events::pace::Pace;
+use crate::floors::Floors;
 use crate::ignored_states::Sizes;
 use crate::program::fused::Fused;
 use crate::rows::record::Rows;
@@ -56,6 +57,8 @@ pub struct Simulation {
     pub(crate) words: String,
     /// How large states have become.
     pub(crate) sizes: Sizes,
+    /// States below the least value that their law knows.
+    pub(crate) floors: Floors,
     /// Whether a block follows another law since a step that it has taken note of.
     pub(crate) relearnt: bool,
     pub(crate) pace: Pace,
@@ -216,6 +219,7 @@ impl Simulation {
             hit_count: 0,
             relearnt: false,
             sizes: Sizes::new(&x),
+            floors: Floors::new(&schedule),
             x,
             diagram,
             schedule,
@@ -385,6 +389,7 @@ impl Simulation {
         let blocks = self.schedule.blocks.iter();
         let told = blocks.flat_map(|block| block.block.warnings(&self.diagram.d[cells(block)], rtol));
         let mut told: Vec<Problem> = told.collect();
+        told.extend(self.below_floors());
         told.extend(self.ignored_states());
         // A source that swings within a step puts states off, too.
         told.extend(coarse_step(&self.schedule).or_else(|| self.too_long_for()));

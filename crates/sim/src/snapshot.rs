@@ -7,6 +7,7 @@ use blocksim_solve::Memory;
 
 use crate::events::guards::Guards;
 use crate::events::pace::Pace;
+use crate::floors::Floors;
 use crate::ignored_states::Sizes;
 use crate::rows::refine::Refine;
 use crate::stepping::halves::{self, Halves};
@@ -37,6 +38,7 @@ pub struct Snapshot {
     past: Past,
     refine: Refine,
     sizes: Sizes,
+    floors: Floors,
     stepper: Option<Memory>,
     halves: Option<halves::Memory>,
     unasked: u32,
@@ -75,6 +77,7 @@ impl Simulation {
             past: self.past.clone(),
             refine: self.refine.clone(),
             sizes: self.sizes.clone(),
+            floors: self.floors.clone(),
             stepper: self.stepper.as_ref().map(|stepper| stepper.memory()),
             halves: self.halves.as_ref().map(Halves::memory),
             unasked: self.unasked,
@@ -128,6 +131,7 @@ impl Simulation {
         self.past.clone_from(&snapshot.past);
         self.refine.clone_from(&snapshot.refine);
         self.sizes.clone_from(&snapshot.sizes);
+        self.floors.clone_from(&snapshot.floors);
         self.stepper = methods::stepper(&self.schedule);
         if let (Some(stepper), Some(memory)) = (&mut self.stepper, &snapshot.stepper) {
             stepper.recall(memory);

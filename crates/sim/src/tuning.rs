@@ -68,6 +68,7 @@ impl Simulation {
         next.halves = self.halves.take();
         next.past.clone_from(&self.past);
         next.sizes.clone_from(&self.sizes);
+        next.floors.clone_from(&self.floors);
         (next.majors, next.events, next.hit_count) = (self.majors, self.events, self.hit_count);
         next.carried = self.counts();
         // It was interrupted, and that has been told.

@@ -389,3 +389,20 @@ fn an_empty_accumulator_follows_the_pressure_in_few_steps() {
         close(run.last("show.p"), 20e5 - flow / laminar, 5.0, solver);
     }
 }
+
+/// `p = - (beta / V) q t` is that of a vacuum at `t = p_0 V / (beta q)`.
+#[test]
+fn a_liquid_under_less_than_a_vacuum_is_named_at_the_end() {
+    let run = network(
+        "1 ms",
+        r#""q": Constant(value: "-0.25 L/s"), "suction": HydraulicFlowSource, "line": FluidVolume(volume: "1 L"), "tank": Tank"#,
+        r#""q.y -> suction.q", "suction.b <-> tank.a", "suction.a <-> line.a", "line.p -> s.p""#,
+        r#""p""#,
+    );
+    let expected = format!(
+        "`line.p` falls below a vacuum at t = {:.7} s, where its law does not hold: its least value is -350000 Pa, at 0.001 s",
+        101_325.0 * 1e-3 / (1.4e9 * 2.5e-4)
+    );
+    let warnings: Vec<(&str, &str)> = run.warnings.iter().map(|w| (w.code, &*w.message)).collect();
+    assert_eq!(warnings, [("below_floor", &*expected)]);
+}

@@ -10,8 +10,9 @@ use blocksim_sim::Simulation;
 use blocksim_tests::{Desk, root, run};
 
 /// Pages without a diagram that could fail here, and why.
-const WITHOUT_DIAGRAM: [(&str, &str); 29] = [
+const WITHOUT_DIAGRAM: [(&str, &str); 30] = [
     ("bare_number", "is an error by an option; the tests of the program run it"),
+    ("below_floor", "is told at the end of a run, and tested with heat and with liquids"),
     ("coarse_step", "is told at the end of a run, and tested with audits"),
     ("coupling_error", "is told at the end of a run, and tested with inverters"),
     ("exists", "comes from a command; the tests of the program run it"),

@@ -197,3 +197,58 @@ fn what_is_wrong_with_a_thermal_network_is_said_in_its_terms() {
     let said = problems(r#""a": HeatCapacity(c: 1.0)"#, "");
     assert!(said.contains("the thermal port `a.h` is not connected"), "{said}");
 }
+
+/// `T = T_0 + q t / C` is negative from `t = - C T_0 / q` on.
+#[test]
+fn a_body_that_falls_below_absolute_zero_is_named_at_the_end() {
+    for solver in ["Auto", "Radau5", "Ode4(step: \"0.5 s\")"] {
+        let cooled = |stop: &str, start: &str| {
+            network(
+                &format!(r#"stop_time: "{stop}", solver: {solver}"#),
+                &format!(
+                    r#""q": Constant(value: "-40 W"), "cooler": HeatSource, "body": HeatCapacity(c: "20 J/K", t0: "{start}")"#
+                ),
+                r#""q.y -> cooler.q", "cooler.h <-> body.h", "body.t -> s.t""#,
+                r#""t""#,
+            )
+        };
+        let warnings = cooled("200 s", "293 K").warnings;
+        assert_eq!(warnings.len(), 1, "{solver}: {warnings:?}");
+        let expected = "`body.t` falls below absolute zero at t = 146.5 s, where its law does not hold: its least value is \
+                        -107 K, at 200 s";
+        assert_eq!((warnings[0].code, &*warnings[0].message), ("below_floor", expected), "{solver}");
+        let warm = cooled("146 s", "293 K").warnings;
+        assert!(warm.is_empty(), "{solver}: {warm:?}");
+    }
+}
+
+/// What radiates to nothing comes ever closer to absolute zero and is not below it, and a body at absolute zero stays there.
+#[test]
+fn cold_bodies_are_not_below_absolute_zero() {
+    for solver in ["Auto", "Auto(rtol: 1e-3)", "Ode23(rtol: 1e-3)", "Radau5(rtol: 1e-2)"] {
+        let run = network(
+            &format!(r#"stop_time: "1e9 s", solver: {solver}"#),
+            r#""space": Ambient(t: "0 K"), "rays": ThermalRadiation(area: "1 m^2", emissivity: 1.0), "body": HeatCapacity(c: "20 J/K"),
+               "wall": ThermalResistance(r: "1 K/W"), "cold": HeatCapacity(c: "1 J/K", t0: "0 K")"#,
+            r#""space.h <-> rays.b <-> wall.b", "rays.a <-> body.h", "wall.a <-> cold.h", "body.t -> s.body", "cold.t -> s.cold""#,
+            r#""body", "cold""#,
+        );
+        let last = *run.column("s.body").last().expect("a row");
+        let found: Vec<&String> =
+            run.warnings.iter().filter(|w| w.code == "below_floor").map(|w| &w.message).collect();
+        assert!(last < 1.0 && found.is_empty(), "{solver}: {last} K, {found:?}");
+    }
+}
+
+/// The state of a capacity beside a source of temperature is not its temperature.
+#[test]
+fn a_capacity_that_a_source_holds_warm_is_not_below_absolute_zero() {
+    let run = network(
+        r#"stop_time: "10 s""#,
+        r#""t": Ramp(slope: "10 K/s", initial: "300 K"), "source": TemperatureSource, "body": HeatCapacity(c: "20 J/K")"#,
+        r#""t.y -> source.t", "source.h <-> body.h", "body.t -> s.t""#,
+        r#""t""#,
+    );
+    assert!((run.column("s.t").last().expect("a row") - 400.0).abs() < 1e-9);
+    assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+}

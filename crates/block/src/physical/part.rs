@@ -5,7 +5,7 @@ use blocksim_signal::Unit;
 
 use super::{Component, Domain, Element, Gives, Handle, Moving, PhysicalPort, Pin, Reading};
 use crate::event::{Change, Event, FRICTION, Subject};
-use crate::{Crossing, Discrete, Guard, Input, Interface, Output, State};
+use crate::{Crossing, Discrete, Floor, Guard, Input, Interface, Output, State};
 
 /// What an output of a component needs before it can be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -168,6 +168,7 @@ impl Part {
             dimension: None,
             nominal: None,
             negligible: 0.0,
+            floor: None,
         });
         self
     }
@@ -185,6 +186,12 @@ impl Part {
         let mut part = self.state(name, initial);
         part.states.iter_mut().last().into_iter().for_each(|state| state.nominal = Some(nominal));
         part
+    }
+
+    /// Says the least value that the law of the state added last knows: see [`Floor`].
+    pub fn floor(mut self, floor: Floor) -> Self {
+        self.states.iter_mut().last().into_iter().for_each(|state| state.floor = Some(floor));
+        self
     }
 
     /// Adds a state that may go on moving where everything else is steady, of which a magnitude counts as nothing.

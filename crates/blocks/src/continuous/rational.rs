@@ -126,6 +126,7 @@ impl<'a> Rational<'a> {
                 dimension: None,
                 nominal: None,
                 negligible: 0.0,
+                floor: None,
             })
             .collect();
         interface

@@ -1,11 +1,11 @@
 use blocksim_block::physical::{Characteristics, Domain, Element, Handle, Pin};
 use blocksim_block::prelude::*;
 
+use super::ATMOSPHERE;
+
 /// What fluid flows in by.
 const NECK: Handle = Handle::new("neck");
 
-/// Pressure of the atmosphere, Pa.
-const ATMOSPHERE: f64 = 101_325.0;
 /// Of its volume, this part of fluid takes an empty accumulator from the precharge to no pressure at all.
 const EMPTY: f64 = 1e-4;
 

@@ -1,13 +1,16 @@
 use blocksim_block::physical::{Domain, Element, Handle, Pin};
 use blocksim_block::prelude::*;
 
+use super::VACUUM;
+
 /// The fluid.
 const FLUID: Handle = Handle::new("fluid");
 
 /// A volume of fluid that yields a little: $\frac{V}{\beta} \frac{dp}{dt} = q$. Its pressure is a state.
 ///
 /// The bulk modulus $\beta$ is that of the fluid together with what encloses it: 1.4e9 Pa for mineral oil in rigid pipes, less with
-/// hoses or air. Volumes at one node have one pressure.
+/// hoses or air. Volumes at one node have one pressure. Cavitation is not modelled: a pressure that has fallen below that of a vacuum,
+/// -101 325 Pa, is named at the end of the run.
 ///
 /// ```ron
 /// FluidVolume(volume: "0.5 L", p0: "20 bar")
@@ -44,6 +47,7 @@ impl Component for FluidVolume {
         Part::new()
             .port("a", Domain::Hydraulic, "hydraulic port")
             .nominal_state("p", self.p0.unwrap_or(0.0), TYPICAL_PRESSURE)
+            .floor(VACUUM)
             .named(
                 FLUID,
                 Element::Capacitance { p, n, capacitance: self.capacity(), state: 0, start: self.p0 },

@@ -1,6 +1,7 @@
 use blocksim_block::physical::{Domain, Element, Handle, Pin};
 use blocksim_block::prelude::*;
 
+use super::VACUUM;
 use super::fluid_volume::TYPICAL_PRESSURE;
 use crate::mechanics::contact::Travel;
 use crate::mechanics::elastic::ElasticLaw;
@@ -115,7 +116,9 @@ impl Component for HydraulicCylinder {
             .port("r", Domain::Translational, "rod")
             .port("c", Domain::Translational, "cylinder")
             .nominal_state("p_a", self.p_a0.unwrap_or(0.0), TYPICAL_PRESSURE)
+            .floor(VACUUM)
             .nominal_state("p_b", self.p_b0.unwrap_or(0.0), TYPICAL_PRESSURE)
+            .floor(VACUUM)
             .state_in("x", self.x0, "m")
             .named(CHAMBER_A, chamber(0, of_a, A, self.p_a0))
             .named(CHAMBER_B, chamber(1, of_b, B, self.p_b0))

@@ -3,8 +3,8 @@ use std::f64::consts::PI;
 use blocksim_block::physical::{Element, Handle, Pin};
 use blocksim_block::prelude::*;
 
-use super::ends;
 use super::fluid_volume::TYPICAL_PRESSURE;
+use super::{VACUUM, ends};
 
 /// The fluid near both ends, and what moves between them.
 const NEAR_A: Handle = Handle::new("near a");
@@ -109,7 +109,9 @@ impl Component for HydraulicPipe {
         let typical = self.area();
         ends()
             .nominal_state("p_a", self.p0.unwrap_or(0.0), TYPICAL_PRESSURE)
+            .floor(VACUUM)
             .nominal_state("p_b", self.p0.unwrap_or(0.0), TYPICAL_PRESSURE)
+            .floor(VACUUM)
             .nominal_state("q", self.q0, typical)
             .named(NEAR_A, half(0, A))
             .named(NEAR_B, half(1, B))

@@ -37,7 +37,21 @@ pub use relief_valve::ReliefValve;
 pub use tank::Tank;
 pub use variable_orifice::VariableOrifice;
 
+use blocksim_block::Floor;
 use blocksim_block::physical::{Domain, Part};
+
+/// Pressure of the atmosphere, Pa.
+const ATMOSPHERE: f64 = 101_325.0;
+
+/// A liquid evaporates before its pressure is that low, or the air in it comes out: the pressure stays about there, and what the pump or
+/// the piston leaves is a bubble.
+const VACUUM: Floor = Floor {
+    value: -ATMOSPHERE,
+    name: "a vacuum",
+    unit: "Pa",
+    help: "the liquid cavitates there, which no part shows: feed it from a higher pressure, by a wider line or a `CheckValve` from the \
+           tank, or move more slowly",
+};
 
 /// The ports `a` and `b` of a hydraulic two-pin.
 fn ends() -> Part {

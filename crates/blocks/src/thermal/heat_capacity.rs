@@ -7,7 +7,7 @@ const BODY: Handle = Handle::new("body");
 /// Heat capacity of a body of one temperature: $C \frac{dT}{dt} = q$. Its temperature is a state.
 ///
 /// A body with a temperature that differs from place to place is a chain of capacities and resistances. Capacities at one node
-/// have one temperature.
+/// have one temperature. One that has fallen below absolute zero is named at the end of the run.
 ///
 /// ```ron
 /// HeatCapacity(c: "120 J/K", t0: "20 degC")
@@ -28,6 +28,7 @@ impl Component for HeatCapacity {
         Part::new()
             .port("h", Domain::Thermal, "thermal port")
             .state_in("t", self.t0.unwrap_or(ROOM), "K")
+            .floor(ABSOLUTE_ZERO)
             .named(
                 BODY,
                 Element::Capacitance {
@@ -46,6 +47,14 @@ impl Component for HeatCapacity {
         dx[0] = c.current(BODY) / self.c;
     }
 }
+
+/// Nothing is colder.
+const ABSOLUTE_ZERO: Floor = Floor {
+    value: 0.0,
+    name: "absolute zero",
+    unit: "K",
+    help: "more heat is taken out than there is: look at the sign of the heat flows, or cool by a resistance to something cold",
+};
 
 /// 20 degC in K.
 const ROOM: f64 = 293.15;

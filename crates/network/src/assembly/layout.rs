@@ -157,6 +157,10 @@ impl Network {
                 }
                 None => free(&mut interface, &mut next, &member),
             };
+            if held.is_none() && is_shifted(&electrics, index) {
+                // The states are not what they are in the law: sources add the rest.
+                interface.states[x.clone()].iter_mut().for_each(|state| state.floor = None);
+            }
             let early = held.is_none()
                 && !places.two_pins.is_empty()
                 && places.two_pins.clone().all(|i| electrics.early[i].is_some());

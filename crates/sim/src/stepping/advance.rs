@@ -73,6 +73,7 @@ impl Simulation {
                 self.look_back(may_jump)?;
             }
             self.sizes.note(&self.x);
+            self.floors.note(self.t, &self.x);
             self.remember(start)?;
             self.accept()?;
             self.reach()?;

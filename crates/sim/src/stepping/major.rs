@@ -35,6 +35,7 @@ impl Simulation {
         self.started = true;
         self.instant(Arrival { end: true, ..Arrival::default() }, true, observer)?;
         self.sizes.begin(&self.x);
+        self.floors.begin(self.t, &self.x);
         Ok(())
     }
 

@@ -133,6 +133,7 @@ impl Simulation {
     /// A major step at which nothing is due.
     fn plain_instant(&mut self, observer: &mut dyn Observer) -> Result<(), SimError> {
         self.diagram.settle.changed = false;
+        self.floors.note(self.t, &self.x);
         let passed = self.diagram.pass_plainly(self.t, &self.x);
         if !self.held(passed)? {
             return self.major(Arrival::default(), observer);

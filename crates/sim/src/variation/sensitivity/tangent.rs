@@ -422,6 +422,7 @@ fn tangent_instance(
         dimension: None,
         nominal: None,
         negligible: 0.0,
+        floor: None,
     });
     let discrete = instance.interface.discrete.iter().zip(d);
     let held = discrete.clone().map(|(state, (value, _))| Discrete::new(state.name(), *value));
