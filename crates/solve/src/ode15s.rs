@@ -39,6 +39,8 @@ pub(crate) const fn error_constant(order: usize) -> f64 {
 
 /// How far a step may be stretched to meet a limit.
 const STRETCH: f64 = 1.01;
+/// Steps from a beginning within which a higher order is found that follows what leaves zero as a power of time.
+const YOUNG: usize = 64;
 /// Growth that is worth a factorisation.
 const WORTH: f64 = 1.1;
 /// The largest growth.
@@ -63,6 +65,9 @@ pub struct Ode15s {
     next: (f64, usize),
     /// Steps since either has changed.
     steady: usize,
+    /// States that had been zero until it began last, and steps since.
+    fresh: Vec<bool>,
+    age: usize,
     last: Span,
     /// What the last step began with: differences, their step, order, what was to come next, steps since either changed.
     before: (Vec<f64>, f64, usize, (f64, usize), usize),
@@ -90,6 +95,8 @@ impl Ode15s {
             h: 0.0,
             next: (0.0, 1),
             steady: 0,
+            fresh: vec![false; n],
+            age: 0,
             last: Span { t0: 0.0, t1: 0.0, h: 0.0 },
             before: (vec![0.0; n * DIFFERENCES], 0.0, 1, (0.0, 1), 0),
             x0: zeros(),
@@ -160,6 +167,10 @@ impl Ode15s {
             *d = h * f;
         }
         (self.h, self.order, self.next, self.steady, self.begun) = (h, 1, (h, 1), 0, true);
+        self.age = 0;
+        for (i, fresh) in self.fresh.iter_mut().enumerate() {
+            *fresh = self.weights.never_moved(i);
+        }
         Ok(())
     }
 
@@ -253,7 +264,12 @@ impl Ode15s {
                 correction.iter_mut().zip(&*step).for_each(|(e, d)| *e = constant * d);
                 let err = weights.norm(x0, x1, correction, span.h);
                 let is_smallest = span.h <= smallest(t, self.limits.min);
-                if err <= 1.0 || is_smallest && weights.is_first_move(x0, x1, correction, span.h) {
+                let (fresh, is_young) = (&self.fresh, self.age < YOUNG);
+                let is_first = || {
+                    weights.is_first_move(x0, x1, correction, span.h)
+                        || is_young && weights.is_departure(fresh, [x0, x1], correction, span.h)
+                };
+                if err <= 1.0 || is_smallest && is_first() {
                     self.keep(span, err.min(1.0), cut.then_some(wanted));
                     return Ok(());
                 }
@@ -351,6 +367,7 @@ impl Ode15s {
         self.counts.accepted += 1;
         self.weights.accepted([&self.x0, &self.x1], &self.newton.correction, err, span.h);
         self.steady += 1;
+        self.age += 1;
         for i in 0..n {
             let step = self.newton.step[i];
             self.differences[(k + 2) * n + i] = step - self.differences[(k + 1) * n + i];
@@ -470,6 +487,7 @@ impl Stepper for Ode15s {
         (self.h, self.order, self.next, self.steady) =
             (self.before.1, self.before.2, self.before.3, self.before.4);
         (self.begun, self.last.t1) = (true, self.last.t0);
+        self.age = self.age.saturating_sub(1);
     }
 
     fn interpolate(&self, t: f64, x: &mut [f64]) {
@@ -502,6 +520,8 @@ impl Stepper for Ode15s {
             order: self.order,
             next: self.next,
             steady: self.steady,
+            fresh: self.fresh.clone(),
+            age: self.age,
             newton: self.newton.memory(),
             radius: self.radius,
         };
@@ -520,6 +540,8 @@ impl Stepper for Ode15s {
         self.last.t1 = history.t;
         (self.h, self.order, self.next) = (history.h, history.order, history.next);
         (self.steady, self.radius) = (history.steady, history.radius);
+        self.fresh.clone_from(&history.fresh);
+        self.age = history.age;
         self.newton.recall(&history.newton);
     }
 

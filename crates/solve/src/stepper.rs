@@ -157,6 +157,9 @@ pub(crate) struct History {
     /// Step and order to go on with.
     pub next: (f64, usize),
     pub steady: usize,
+    /// States that had been zero until it began last, and steps since.
+    pub fresh: Vec<bool>,
+    pub age: usize,
     pub newton: Convergence,
     /// Bound of the eigenvalues of J, 1/s.
     pub radius: f64,

@@ -38,6 +38,8 @@ const DWARF: f64 = 1e-12;
 const UNKNOWN: f64 = 1e-5;
 /// A magnitude where nothing is known.
 const LEAST: f64 = 1e-10;
+/// Part of the largest magnitude of any state that one may have in its first steps of the least size.
+const DEPARTING: f64 = 1e-3;
 /// How far rounding may add up within a step, as a multiple of what was seen of it.
 const PILE: f64 = 8.0;
 /// Rejections, less a part of the steps that were kept since, that look like noise.
@@ -297,6 +299,24 @@ impl Weights {
             let unit = self.scale(i, x0[i].abs().max(x1[i].abs()), h);
             let most = learnt.ever[i].max(x1[i].abs()).max(error[i].abs());
             x1[i].is_finite() && (error[i].abs() <= unit || most <= DWARF * learnt.largest)
+        })
+    }
+
+    /// Whether a state has been zero so far.
+    pub fn never_moved(&self, i: usize) -> bool {
+        self.learnt.as_ref().is_some_and(|learnt| learnt.ever[i] == 0.0)
+    }
+
+    /// Whether the error of a step, which no shorter one can make less, is too large only for states that were zero from the
+    /// beginning until now (`fresh`). What leaves zero as a power of time above the order of the method is as large as its error
+    /// in every step, and where all others were zero as well, nothing says how large that may be. Such states are still
+    /// small beside the largest of this step; what is of its size has jumped.
+    pub fn is_departure(&self, fresh: &[bool], [x0, x1]: [&[f64]; 2], error: &[f64], h: f64) -> bool {
+        let largest = x1.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        (0..error.len()).all(|i| {
+            let unit = self.scale(i, x0[i].abs().max(x1[i].abs()), h);
+            let most = x1[i].abs().max(error[i].abs());
+            x1[i].is_finite() && (error[i].abs() <= unit || fresh[i] && most <= DEPARTING * largest)
         })
     }
 

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use blocksim_tests::{Run, run_text};
+use blocksim_tests::{Run, compile_text, run, run_text};
 
 const FREQUENCY: f64 = 0.2;
 
@@ -163,4 +163,54 @@ fn a_jump_where_a_guard_leaves_zero_has_rows_on_both_sides() {
             assert!((times[after] - 0.5).abs() < 1e-9, "{method}, {name}: {times:?}");
         }
     }
+}
+
+/// A constant `a` from `t0` on through two integrators that were at zero: `a (t - t0)` and `a (t - t0)^2 / 2`. The second one begins with
+/// an error of all of its value by a method of first order, and where all was zero nothing says how small that is. With `beside` a fast
+/// lag behind them has `Auto` take to `Ode15s`.
+#[test]
+fn what_was_at_zero_is_kicked_late_and_hard() {
+    for (method, beside) in [("Ode15s", false), ("Ode15s", true), ("Auto", true)] {
+        for (t0, a) in [(5.3, 1e12), (50.3, 1e9), (500.3, 1e6), (500.3, 1e12), (50000.3, 1e3), (50000.3, 1e9)]
+        {
+            let (lag, into) = match beside {
+                true => (r#""w": Integrator, "lag": LowPass(tau: "1e-5 s"),"#, r#", w.u", "w.y -> lag.u"#),
+                false => ("", ""),
+            };
+            let stop = 2.0 * t0;
+            let run = run_text(&format!(
+                r#"Diagram(
+                    simulation: (stop_time: "{stop} s", solver: {method}),
+                    blocks: {{
+                        "a": Step(time: "{t0} s", after: {a:?}), "v": Integrator, "x": Integrator, {lag}
+                        "show": Scope(inputs: ["v", "x"]),
+                    }},
+                    connections: ["a.y -> v.u", "v.y -> x.u, show.v", "x.y -> show.x{into}"],
+                )"#
+            ));
+            let what = format!("{method}, {a} from {t0} s, lag {beside}");
+            assert!(run.error.is_none(), "{what}: {:?}", run.error);
+            for (name, expected) in [("show.v", a * t0), ("show.x", 0.5 * a * t0 * t0)] {
+                let off = run.last(name) / expected - 1.0;
+                assert!(off.abs() < 1e-5, "{what}: {name} is off by {off:e}");
+            }
+        }
+    }
+}
+
+/// A pole right behind the kick is no first move: `tan(a (t - t0))`.
+#[test]
+fn a_pole_at_once_is_not_taken_for_a_departure() {
+    let (compiled, problems) = compile_text(
+        r#"Diagram(
+            simulation: (stop_time: "100 s", solver: Ode15s),
+            blocks: {
+                "a": Step(time: "50.3 s", after: 1e12), "v": Integrator,
+                "pole": OdeSystem(law: "x' = a*(1 + x^2)"), "show": Scope(inputs: ["v", "x"]),
+            },
+            connections: ["a.y -> v.u, pole.a", "v.y -> show.v", "pole.x -> show.x"],
+        )"#,
+    );
+    let run = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")));
+    assert_eq!(run.error.expect("no value behind the pole").code, "step_size");
 }
