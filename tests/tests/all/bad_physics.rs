@@ -448,3 +448,81 @@ fn a_case_may_be_joined_to_the_case_of_a_sensor() {
     assert!((w - 0.5 / 0.2).abs() < 1e-9 && (turned - w).abs() < 1e-9, "{w} {turned}");
     assert!((tau.abs() - 0.5).abs() < 1e-9 && (other + tau).abs() < 1e-9, "{tau} {other}");
 }
+
+/// On a differential `left + right = 2 drive / ratio`: with a source at the drive one of the wheels has a speed of its own at the start,
+/// whichever it is; `names` change the order in which the network takes them.
+#[test]
+fn a_start_speed_beside_a_source_is_that_of_its_part() {
+    for (left, right, names) in [("3", "-1"), ("0", "2")].into_iter().flat_map(|(left, right)| {
+        [(left, "", ["a", "b"]), ("", right, ["a", "b"]), ("", right, ["b", "a"]), (left, "", ["b", "a"])]
+    }) {
+        let wheel = |w0: &str| match w0 {
+            "" => r#"Inertia(j: "0.1 kg*m^2")"#.to_owned(),
+            w0 => format!(r#"Inertia(j: "0.1 kg*m^2", w0: "{w0} rad/s")"#),
+        };
+        let [a, b] = names;
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "0.1 s"),
+                blocks: {{
+                    "gear": Differential(ratio: 4.1), "w": Constant(value: "4.1 rad/s"), "source": IdealSpeedSource,
+                    "housing": RotationalReference, "{a}": {}, "{b}": {},
+                    "left": MotionSensor, "right": MotionSensor, "show": Scope(inputs: ["left", "right"]),
+                }},
+                connections: [
+                    "w.y -> source.w", "source.r <-> gear.drive", "gear.left <-> {a}.r <-> left.r",
+                    "gear.right <-> {b}.r <-> right.r", "source.c <-> housing.r <-> left.c <-> right.c",
+                    "left.w -> show.left", "right.w -> show.right",
+                ],
+            )"#,
+            wheel(left),
+            wheel(right)
+        ));
+        let (l, r) = (run.column("show.left")[0], run.column("show.right")[0]);
+        for (given, found) in [(left, l), (right, r)] {
+            assert!(
+                given.parse::<f64>().is_ok_and(|given| (found - given).abs() < 1e-12) || given.is_empty()
+            );
+        }
+        assert!((l + r - 2.0).abs() < 1e-12, "{left}/{right} {names:?}: {l}, {r}");
+    }
+}
+
+/// What a source prescribes is not given for the start: with two wheels it depends on the source whether they fit.
+#[test]
+fn start_speeds_that_follow_from_a_source() {
+    let source =
+        r#""w": Constant(value: "4.1 rad/s"), "source": IdealSpeedSource, "housing": RotationalReference,"#;
+    check(
+        &format!(r#"{source} "a": Inertia(j: 1, w0: "4.1 rad/s"),"#),
+        r#""w.y -> source.w", "source.r <-> a.r", "source.c <-> housing.r""#,
+        &expect![[r#"
+            error[start_conflict]: the speed of 4.1 rad/s at the start follows from a source that prescribes speeds
+              model.ron:4:100 `"a"` `a` asks for it
+              help: leave it out; where it follows from the start speed of another part as well, give one of the two
+        "#]],
+    );
+    check(
+        &format!(
+            r#"{source} "gear": Differential(ratio: 4.1), "a": Inertia(j: 1, w0: "3 rad/s"), "b": Inertia(j: 1, w0: "-1 rad/s"),"#
+        ),
+        r#""w.y -> source.w", "source.r <-> gear.drive", "gear.left <-> a.r", "gear.right <-> b.r", "source.c <-> housing.r""#,
+        &expect![[r#"
+            error[start_conflict]: the speed of -1 rad/s at the start follows from a source that prescribes speeds
+              model.ron:4:169 `"b"` `b` asks for it
+              model.ron:4:134 `"a"` `a` has a speed at the start, too
+              help: leave it out; where it follows from the start speed of another part as well, give one of the two
+        "#]],
+    );
+    check(
+        &format!(
+            r#"{source} "world": World, "j": RevoluteJoint(velocity: "1 rad/s"), "arm": Body(mass: 1, moi: [0.1, 0.1, 0.1]),"#
+        ),
+        r#""w.y -> source.w", "source.r <-> j.r", "source.c <-> housing.r <-> j.c", "world.frame <-> j.base", "j.follower <-> arm.frame""#,
+        &expect![[r#"
+            warning[start_moved]: `velocity` of `j` has no effect: a source prescribes how fast this joint moves
+              model.ron:4:116 `"j"` `j` moves as the source does
+              help: leave out `velocity`
+        "#]],
+    );
+}

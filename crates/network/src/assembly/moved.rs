@@ -18,6 +18,7 @@ const ZERO: f64 = 1e-9;
 pub(crate) fn moved(m: &Members, frames: &Frames, rotation: &Rotation) -> Vec<NetworkProblem> {
     let mut found = positions(m, frames);
     found.extend(speeds(m, rotation));
+    found.extend(prescribed(m, frames, rotation));
     found
 }
 
@@ -71,6 +72,21 @@ fn positions(m: &Members, frames: &Frames) -> Vec<NetworkProblem> {
 /// Whatever the size: a slow speed is no zero.
 fn five_digits(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
+}
+
+/// Joints that a source moves: what it prescribes at the start is not known before the run.
+fn prescribed(m: &Members, frames: &Frames, rotation: &Rotation) -> Vec<NetworkProblem> {
+    let joints = frames.speeds.iter().zip(&rotation.joints_prescribed);
+    let given = joints.filter(|(joint, by)| !by.is_empty() && joint.start.is_some_and(|speed| speed != 0.0));
+    let warning = |member: usize| {
+        let message = format!(
+            "`velocity` of `{}` has no effect: a source prescribes how fast this joint moves",
+            m.path(member)
+        );
+        NetworkProblem::new("start_moved", message, "leave out `velocity`")
+            .with(member, "moves as the source does")
+    };
+    given.map(|(joint, _)| warning(joint.member)).collect()
 }
 
 fn speeds(m: &Members, rotation: &Rotation) -> Vec<NetworkProblem> {

@@ -111,7 +111,12 @@ pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<Networ
     } = relate(m, frames, sources);
     let mut rotation = Rotation { sources, inertia, branches, branch_nodes, smooth, ..Rotation::default() };
 
-    let eliminated = relations.eliminate(|unknown| u32::from(unknown >= nodes));
+    // Where sources add to the speeds of others, a speed that is given for the start is exact as one of the independent ones only.
+    let is_given = |unknown: usize| sources > 0 && starts.iter().any(|start| start.node == unknown);
+    let eliminated = relations.eliminate(|unknown| match unknown {
+        joint if joint >= nodes => 2,
+        node => u32::from(is_given(node)),
+    });
     let mut problems = Vec::new();
     for (row, fights) in &eliminated.dependent {
         problems.push(over_determined(&reasons[*row], *fights, &reasons, &relations, *row));

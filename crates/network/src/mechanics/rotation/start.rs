@@ -63,19 +63,35 @@ pub(super) fn start(
     }
     starts.iter().for_each(|start| ask(&rotation.nodes[start.node], start.speed));
     let v: Vec<f64> = asked.eliminate(|_| 0).over_given.iter().map(|row| row[0]).collect();
+    // What sources add is not known before the run.
+    let adds = |start: &Start| !rotation.nodes_prescribed[start.node].is_empty();
     let fits = |start: &&Start| {
-        (rotation.nodes[start.node].of(&v) - start.speed).abs() <= 1e-9 * (1.0 + start.speed.abs())
+        let form = &rotation.nodes[start.node];
+        // A zero beside a source is a wish for nothing.
+        let is_free = !adds(start) || start.speed == 0.0 && form.terms().is_empty();
+        is_free && (form.of(&v) - start.speed).abs() <= 1e-9 * (1.0 + start.speed.abs())
     };
     let Some(wrong) = starts.iter().find(|start| !fits(start)) else { return Ok(v) };
-    let problem = NetworkProblem::new(
-        "start_conflict",
-        format!(
-            "the speed of {} {} at the start does not fit the parts it is coupled to",
-            wrong.speed,
-            Words::of(m.node_domain(wrong.node)).unit
-        ),
-        "give one part of a rigidly coupled train its start speed, or start values that fit the ratios",
-    );
+    let unit = Words::of(m.node_domain(wrong.node)).unit;
+    let problem = if adds(wrong) {
+        NetworkProblem::new(
+            "start_conflict",
+            format!(
+                "the speed of {} {unit} at the start follows from a source that prescribes speeds",
+                wrong.speed
+            ),
+            "leave it out; where it follows from the start speed of another part as well, give one of the two",
+        )
+    } else {
+        NetworkProblem::new(
+            "start_conflict",
+            format!(
+                "the speed of {} {unit} at the start does not fit the parts it is coupled to",
+                wrong.speed
+            ),
+            "give one part of a rigidly coupled train its start speed, or start values that fit the ratios",
+        )
+    };
     let form = &rotation.nodes[wrong.node];
     let coupled =
         |other: &&Start| rotation.nodes[other.node].terms().iter().any(|(k, _)| form.at(*k as usize) != 0.0);
