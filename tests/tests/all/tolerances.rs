@@ -303,3 +303,45 @@ fn a_loop_does_not_make_what_is_beside_it_inexact() {
         assert!(off < 2e-6, "{method}: off by {off:.1e} m");
     }
 }
+
+/// The slow motion `z = x^2` in units that lie sixteen decades apart: the automatic tolerance of `x` follows `y` and is a hundredth of
+/// all that `x` ever is. That is said, and what it advises helps.
+#[test]
+fn a_state_whose_tolerance_follows_one_of_another_unit_is_named() {
+    let solve = |method: &str, atol: &str| {
+        run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "10 s", solver: {method}{atol}),
+                blocks: {{
+                    "s": OdeSystem(
+                        law: "x' = -1e3*x + 1e-9*cos(y/1e6); y' = 1e6*(1 - 100*x/1e-9); z' = -1e5*(z - 1e-8*(x/1e-9)^2)",
+                        start: {{ "x": 1e-9, "y": 1e6, "z": 0 }},
+                    ),
+                    "show": Scope(inputs: ["x", "z"]),
+                }},
+                connections: ["s.x -> show.x", "s.z -> show.z"],
+            )"#
+        ))
+    };
+    let off = |run: &Run| {
+        let pairs = run.column("show.x").iter().zip(run.column("show.z")).zip(&run.time);
+        let late = pairs.filter(|(_, t)| **t > 1.0);
+        late.map(|((x, z), _)| (z / 1e-8 - (x / 1e-9).powi(2)).abs()).fold(0.0, f64::max)
+    };
+    for method in ["Auto", "Ode15s", "Ode23t", "Ode23tb"] {
+        let plain = solve(method, "");
+        let told = ignored(&plain);
+        assert!(
+            told.len() == 1 && told[0].starts_with("hardly any step was chosen for `s.x`"),
+            "{method}: {told:?}"
+        );
+        let careful = solve(method, r#", atol: { "s.x": 1e-15, "s.z": 1e-15 }"#);
+        assert_eq!(ignored(&careful), [""; 0], "{method}");
+        assert!(
+            off(&careful) < 1e-8 && off(&careful) < 0.1 * off(&plain),
+            "{method}: {} {}",
+            off(&careful),
+            off(&plain)
+        );
+    }
+}
