@@ -14,7 +14,7 @@ use crate::evaluation::evaluate::Diagram;
 
 /// Most states that are named.
 const NAMED: usize = 3;
-/// An automatic tolerance of more than this part of the largest magnitude of a state is none that anybody would choose for it.
+/// An automatic tolerance that is more than this part of the largest magnitude of a state is too large for it.
 const COARSE: f64 = 1e-3;
 /// Weights of a fourth difference.
 const FOURTH: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];

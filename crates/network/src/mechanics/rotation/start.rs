@@ -67,7 +67,7 @@ pub(super) fn start(
     let adds = |start: &Start| !rotation.nodes_prescribed[start.node].is_empty();
     let fits = |start: &&Start| {
         let form = &rotation.nodes[start.node];
-        // A zero beside a source is a wish for nothing.
+        // Zero at a part that a source moves asks for nothing.
         let is_free = !adds(start) || start.speed == 0.0 && form.terms().is_empty();
         is_free && (form.of(&v) - start.speed).abs() <= 1e-9 * (1.0 + start.speed.abs())
     };
