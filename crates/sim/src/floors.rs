@@ -22,6 +22,8 @@ pub(crate) struct Floors {
 #[derive(Debug, Clone, PartialEq)]
 struct Low {
     state: usize,
+    /// The block, and the place among its own states.
+    of: (usize, usize),
     floor: f64,
     largest: f64,
     /// Value at the end of the last step, with its time.
@@ -33,12 +35,12 @@ struct Low {
 
 impl Floors {
     pub fn new(schedule: &Schedule) -> Self {
-        let states = schedule.blocks.iter().flat_map(|block| {
+        let states = schedule.blocks.iter().enumerate().flat_map(|(index, block)| {
             let states = block.interface.states.iter().enumerate();
-            states.filter_map(|(k, state)| {
+            states.filter_map(move |(k, state)| {
                 let floor = state.floor?.value;
                 let (state, high) = (block.x + k, (f64::INFINITY, 0.0));
-                Some(Low { state, floor, largest: 0.0, last: high, since: None, least: high })
+                Some(Low { state, of: (index, k), floor, largest: 0.0, last: high, since: None, least: high })
             })
         });
         Self { states: states.collect() }
@@ -78,8 +80,8 @@ impl Simulation {
     pub(crate) fn below_floors(&self) -> Vec<Problem> {
         let found = self.floors.states.iter().filter_map(|low| {
             let since = low.since?;
-            let block = self.schedule.blocks.iter().rev().find(|block| block.x <= low.state)?;
-            let state = block.interface.states.get(low.state - block.x)?;
+            let block = &self.schedule.blocks[low.of.0];
+            let state = &block.interface.states[low.of.1];
             let Floor { name, unit, help, .. } = state.floor?;
             let (least, t) = low.least;
             let message = format!(

@@ -520,9 +520,9 @@ fn start_speeds_that_follow_from_a_source() {
         ),
         r#""w.y -> source.w", "source.r <-> j.r", "source.c <-> housing.r <-> j.c", "world.frame <-> j.base", "j.follower <-> arm.frame""#,
         &expect![[r#"
-            warning[start_moved]: `velocity` of `j` has no effect: a source prescribes how fast this joint moves
+            warning[start_moved]: the start speed of `j` has no effect: a source prescribes how fast this joint moves
               model.ron:4:116 `"j"` `j` moves as the source does
-              help: leave out `velocity`
+              help: leave it out: the joint begins as the source does
         "#]],
     );
 }

@@ -80,10 +80,10 @@ fn prescribed(m: &Members, frames: &Frames, rotation: &Rotation) -> Vec<NetworkP
     let given = joints.filter(|(joint, by)| !by.is_empty() && joint.start.is_some_and(|speed| speed != 0.0));
     let warning = |member: usize| {
         let message = format!(
-            "`velocity` of `{}` has no effect: a source prescribes how fast this joint moves",
+            "the start speed of `{}` has no effect: a source prescribes how fast this joint moves",
             m.path(member)
         );
-        NetworkProblem::new("start_moved", message, "leave out `velocity`")
+        NetworkProblem::new("start_moved", message, "leave it out: the joint begins as the source does")
             .with(member, "moves as the source does")
     };
     given.map(|(joint, _)| warning(joint.member)).collect()
