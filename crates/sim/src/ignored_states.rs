@@ -1,5 +1,4 @@
-//! States that the error control never looks at, because all of their course lies below their absolute tolerance, or hardly above an
-//! automatic one that follows the largest of all states.
+//! States that the error control never looks at, because all of their course lies below their absolute tolerance.
 //!
 //! What such a state does is left to chance: steps are chosen for the others. A state that is zero but for rounding has nothing to
 //! lose, and one that is still arriving, as the far end of a chain through which something diffuses, has no size yet.
@@ -14,8 +13,6 @@ use crate::evaluation::evaluate::Diagram;
 
 /// Most states that are named.
 const NAMED: usize = 3;
-/// An automatic tolerance that is more than this part of the largest magnitude of a state is too large for it.
-const COARSE: f64 = 1e-3;
 /// Weights of a fourth difference.
 const FOURTH: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
 /// Distances of its points, as parts of the last step. Rounding that is a few units of one size may be alike at five points by accident;
@@ -113,7 +110,7 @@ impl Simulation {
         Some(real)
     }
 
-    /// States that have moved and never been larger than what counts as nothing, or hardly.
+    /// States that have moved and never been larger than what counts as nothing.
     fn below_tolerance(&self) -> Vec<Ignored> {
         let Solver::Variable { rtol, atol, .. } = self.schedule.settings.solver else { return Vec::new() };
         let Sizes { largest, moved, .. } = &self.sizes;
@@ -121,15 +118,16 @@ impl Simulation {
             least_absolute(rtol, largest.iter().fold(0.0, |most: f64, size| most.max(*size)))
         });
         let mut tolerances = vec![(of_all, atol.is_some()); largest.len()];
+        if let Some(stepper) = self.stepper.as_ref().filter(|_| atol.is_none()) {
+            let arrived = (0..largest.len()).filter(|&state| stepper.has_arrived(state));
+            arrived.for_each(|state| tolerances[state] = (least_absolute(rtol, 0.0), false));
+        }
         for given in &self.schedule.settings.atol {
             given.states.iter().for_each(|&state| tolerances[state] = (given.value, true));
         }
         let states = tolerances.into_iter().zip(largest).zip(moved).enumerate();
         states
-            .filter(|(_, (((atol, own), size), moved))| {
-                let largest = if *own { **size } else { **size * COARSE };
-                **moved && **size > 0.0 && largest <= *atol
-            })
+            .filter(|(_, (((atol, _), size), moved))| **moved && **size > 0.0 && **size <= *atol)
             .map(|(state, (((atol, own), _), _))| Ignored { state, atol, own })
             .collect()
     }
@@ -145,19 +143,12 @@ impl Simulation {
         let listed = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
         let (size, atol) = (self.sizes.largest[first.state], first.atol);
         let (are, whose) = if ignored.len() > 1 { ("are", "of the first") } else { ("is", "of the state") };
-        let is_below = ignored.iter().all(|ignored| self.sizes.largest[ignored.state] <= ignored.atol);
-        let (size_then, atol_then) = (short(size), short(atol));
-        let message = if is_below {
-            format!(
-                "no step was chosen for {listed}{more}, which {are} never larger than the absolute tolerance: the largest \
-                 magnitude {whose} was {size_then}, its tolerance is {atol_then}"
-            )
-        } else {
-            format!(
-                "hardly any step was chosen for {listed}{more}, as the automatic absolute tolerance follows the largest of all \
-                 states: the largest magnitude {whose} was {size_then}, its tolerance is {atol_then}"
-            )
-        };
+        let message = format!(
+            "no step was chosen for {listed}{more}, which {are} never larger than the absolute tolerance: the largest magnitude \
+             {whose} was {}, its tolerance is {}",
+            short(size),
+            short(atol)
+        );
         let smaller = short(size * 1e-6);
         let example = format!("`simulation: (atol: {{\"{}\": {smaller}}})`", names[0]);
         Some(Problem::warning("ignored_state", message).help(if first.own {

@@ -336,7 +336,12 @@ impl<M: Method> Stepper for Adaptive<M> {
         }
         self.x0.copy_from_slice(x);
         self.weights.note(*t, x);
-        let known = std::mem::take(&mut self.known);
+        let mut known = std::mem::take(&mut self.known);
+        if self.weights.is_unsettled() {
+            let h = if self.last.h > 0.0 { self.last.h } else { limit - *t };
+            self.counts.evaluations += self.weights.settle(system, *t, x, h);
+            known = false;
+        }
         self.last = self.advance(system, *t, known, limit)?;
         self.known = true;
         self.radius = self.method.radius(&self.weights, &self.x0, &self.x1, self.last.h);
@@ -344,6 +349,10 @@ impl<M: Method> Stepper for Adaptive<M> {
         *t = self.last.t1;
         x.copy_from_slice(&self.x1);
         Ok(())
+    }
+
+    fn has_arrived(&self, state: usize) -> bool {
+        self.weights.has_arrived(state)
     }
 
     fn interpolate(&self, t: f64, x: &mut [f64]) {

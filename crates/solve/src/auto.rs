@@ -198,6 +198,10 @@ impl Stepper for Auto {
         self.active().interpolate(t, x);
     }
 
+    fn has_arrived(&self, state: usize) -> bool {
+        self.active().has_arrived(state)
+    }
+
     fn last_step(&self) -> (f64, f64) {
         self.active().last_step()
     }

@@ -464,6 +464,10 @@ impl Stepper for Ode15s {
         }
         self.x0.copy_from_slice(x);
         self.weights.note(*t, x);
+        if self.weights.is_unsettled() {
+            let h = if self.last.h > 0.0 { self.last.h } else { limit - *t };
+            self.counts.evaluations += self.weights.settle(system, *t, x, h);
+        }
         if !self.begun || self.last.t1 != *t || self.differences[..x.len()] != *x {
             self.begun = false;
             self.newton.distrust();
@@ -488,6 +492,10 @@ impl Stepper for Ode15s {
             (self.before.1, self.before.2, self.before.3, self.before.4);
         (self.begun, self.last.t1) = (true, self.last.t0);
         self.age = self.age.saturating_sub(1);
+    }
+
+    fn has_arrived(&self, state: usize) -> bool {
+        self.weights.has_arrived(state)
     }
 
     fn interpolate(&self, t: f64, x: &mut [f64]) {

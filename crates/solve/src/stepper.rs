@@ -63,6 +63,12 @@ pub trait Stepper: Send {
     /// `t` to `t1`.
     fn made(&mut self, _steps: u64, _t: f64, _t1: f64) {}
 
+    /// Whether an automatic tolerance follows a state although it is far smaller than all others: it has come to a size of its own
+    /// that is more than rounding.
+    fn has_arrived(&self, _state: usize) -> bool {
+        false
+    }
+
     /// Begin and end of the last accepted step, s.
     fn last_step(&self) -> (f64, f64);
 

@@ -12,8 +12,9 @@
 //!
 //! Two things keep small states from costing steps without end:
 //!
-//! * A state far smaller than all others ([`DWARF`]) counts as nothing. What diffuses through a thousand cells arrives
-//!   at the last ones as t^1000, of which no method knows a single digit.
+//! * A state far smaller than all others ([`DWARF`]) counts as nothing until it has arrived ([`ARRIVED`]). What diffuses through a
+//!   thousand cells arrives at the last ones as t^1000, of which no method knows a single digit. One that has arrived and is more than
+//!   rounding is of another unit, and followed as any other ([`Weights::settle`]).
 //! * A state that is zero but for rounding cannot be exact to six digits. Where steps are thrown away again and again,
 //!   f is evaluated at five points within a 200th of the step, where states differ by their last bits. Of what is smooth
 //!   the fourth difference vanishes there; what it is not is noise, unless it is a kink, of which a second look at closer points sees
@@ -34,6 +35,15 @@ const LATE: f64 = 2.0;
 const FALLEN: f64 = 0.1;
 /// The same part of the largest magnitude of any state.
 const DWARF: f64 = 1e-12;
+/// Logarithm of the growth while the time since a state left zero doubles from which on it is still arriving: that of the third power.
+const ARRIVED: f64 = 2.0794;
+/// Factor by which that logarithm may become larger from one doubling to the next, of what has arrived. Of what left zero
+/// long before it was first seen, because it was too small for a number, it doubles as that of an exponential function.
+const EVEN: f64 = 1.2;
+/// Part of its size that rounding may do to a state over a step when it counts as arrived.
+const SOLID: f64 = 1e-3;
+/// Factor of that time until one that is rounding is looked at again, halved.
+const AGAIN: f64 = 4.0;
 /// Part of the largest magnitude of any state that one of unknown size is taken for.
 const UNKNOWN: f64 = 1e-5;
 /// A magnitude where nothing is known.
@@ -66,7 +76,7 @@ const FOURTH: [f64; 5] = {
 const PATIENCE: f64 = 50.0;
 
 /// The least automatic absolute tolerance at a relative one: states of a run in which `largest` is the largest magnitude of any
-/// state count as nothing below it.
+/// state count as nothing below it, unless they have [arrived](crate::Stepper::has_arrived).
 pub fn least_absolute(relative: f64, largest: f64) -> f64 {
     relative * NOTHING.max(DWARF * largest)
 }
@@ -115,17 +125,44 @@ pub struct Learnt {
     pub suspicion: f64,
     /// Iterations that did not converge, less a part of the steps that were kept since.
     pub stalled: f64,
+    /// Time of the state that was taken last.
+    pub last: f64,
+    /// How states far smaller than all others arrive.
+    pub arrivals: Vec<Arrival>,
+    /// Whether there are states whose tolerance follows the largest of all, and whether one of them may have arrived.
+    pub any_dwarf: bool,
+    pub any_candidate: bool,
+}
+
+/// How a state far smaller than all others arrives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Arrival {
+    /// It has been zero so far, or was never far smaller than others.
+    #[default]
+    Unseen,
+    /// It left zero at the time `since`, and was at most as large as `size` until the time `mark` after that, by e^`growth` larger
+    /// than until half of it.
+    Growing { since: f64, mark: f64, size: f64, growth: f64 },
+    /// It has hardly grown while that time doubled.
+    Candidate { since: f64, mark: f64 },
+    /// It is more than rounding.
+    Arrived,
 }
 
 impl Learnt {
     /// Takes the sizes of a state that is a solution at the time `t`, and forgets those that are long ago. Returns whether sizes
     /// have changed.
     fn note(&mut self, t: f64, x: &[f64]) -> bool {
+        let is_first = self.start.is_none();
         let elapsed = t - *self.start.get_or_insert(t);
         let forget = elapsed > LATE * self.forgot;
         if forget {
             self.forget(elapsed);
         }
+        if self.any_dwarf {
+            self.watch(t, x);
+        }
+        self.last = t;
         let mut grown = false;
         for (i, x) in x.iter().enumerate() {
             let x = x.abs();
@@ -137,7 +174,48 @@ impl Learnt {
                 grown = true;
             }
         }
+        if is_first {
+            // What is small from the beginning need not grow first.
+            let small = DWARF / SHARE * self.largest;
+            for (arrival, ever) in self.arrivals.iter_mut().zip(&self.ever) {
+                if *ever > 0.0 && *ever <= small {
+                    *arrival = Arrival::Candidate { since: t, mark: 0.0 };
+                    self.any_candidate = true;
+                }
+            }
+        }
         grown || forget
+    }
+
+    /// Looks how states whose tolerance follows the largest of all have grown until the time `t`.
+    fn watch(&mut self, t: f64, x: &[f64]) {
+        let small = DWARF / SHARE * self.largest;
+        for ((arrival, ever), x) in self.arrivals.iter_mut().zip(&self.ever).zip(x) {
+            let size = ever.max(x.abs());
+            if size == 0.0 || size > small {
+                continue;
+            }
+            match *arrival {
+                Arrival::Unseen => {
+                    let mark = (t - self.last).max(0.0);
+                    *arrival = Arrival::Growing { since: t - mark, mark, size, growth: f64::INFINITY };
+                }
+                Arrival::Growing { since, mark, size: before, growth } => {
+                    let elapsed = t - since;
+                    if elapsed <= 0.0 || elapsed < 2.0 * mark {
+                        continue;
+                    }
+                    let now = (size / before).ln();
+                    let is_slow = mark > 0.0 && now < ARRIVED && now <= EVEN * growth + EVEN - 1.0;
+                    *arrival = Arrival::Growing { since, mark: elapsed, size, growth: now };
+                    if is_slow && growth < ARRIVED {
+                        self.any_candidate = true;
+                        *arrival = Arrival::Candidate { since, mark: elapsed };
+                    }
+                }
+                Arrival::Candidate { .. } | Arrival::Arrived => {}
+            }
+        }
     }
 
     /// Keeps what was seen since it forgot before. Every time is twice the one before, so that late means at least the last half
@@ -180,6 +258,10 @@ impl Weights {
                 noisy: false,
                 suspicion: 0.0,
                 stalled: 0.0,
+                last: 0.0,
+                arrivals: vec![Arrival::default(); n],
+                any_dwarf: false,
+                any_candidate: false,
             }),
             look: automatic.then(|| Box::new([zeros(), zeros(), zeros(), zeros()])),
         }
@@ -198,16 +280,25 @@ impl Weights {
 
     /// Finds the absolute tolerances anew.
     fn renew(&mut self) {
-        let Some(learnt) = &self.learnt else { return };
-        let least = self.relative * DWARF * learnt.largest;
+        let Some(learnt) = &mut self.learnt else { return };
+        learnt.any_dwarf = false;
+        let nothing = DWARF * learnt.largest;
         let relative = self.relative;
         let known = self.given.iter().zip(&self.fixed).zip(&self.nominal);
-        let states = self.absolute.iter_mut().zip(learnt.size.iter().zip(&learnt.ever)).zip(known);
-        for ((absolute, (size, ever)), ((given, fixed), nominal)) in states {
+        let sizes = learnt.size.iter().zip(&learnt.ever).zip(&learnt.arrivals);
+        for ((absolute, ((size, ever), arrival)), ((given, fixed), nominal)) in
+            self.absolute.iter_mut().zip(sizes).zip(known)
+        {
             let size = size.max(FADED * ever);
             // A nominal value never hides a state that stays far below it.
             let found = (relative * SHARE * size.max(*nominal)).min(relative * size);
-            *absolute = if *fixed { *given } else { given.max(found).max(least) };
+            let has_arrived = *arrival == Arrival::Arrived;
+            learnt.any_dwarf |= !(*fixed || has_arrived || SHARE * ever > nothing);
+            *absolute = match (*fixed, has_arrived) {
+                (true, _) => *given,
+                (_, true) => given.max(found),
+                _ => given.max(found).max(relative * nothing),
+            };
         }
         for kin in &self.kin {
             let size = |i: &usize| learnt.size[*i].max(FADED * learnt.ever[*i]);
@@ -302,6 +393,35 @@ impl Weights {
         })
     }
 
+    /// Whether [`settle`](Self::settle) has something to do.
+    pub fn is_unsettled(&self) -> bool {
+        self.learnt.as_ref().is_some_and(|learnt| learnt.any_candidate)
+    }
+
+    /// Looks which of the states that seem to have arrived are more than rounding, at the solution (`t`, `x`) and over a step of the
+    /// size `h`; these are followed from now on. Returns the evaluations that it took.
+    pub fn settle(&mut self, system: &mut dyn System, t: f64, x: &[f64], h: f64) -> u64 {
+        let (Some(learnt), Some(look)) = (&mut self.learnt, &mut self.look) else { return 0 };
+        learnt.any_candidate = false;
+        let [at, f, wide, _] = &mut **look;
+        let (evaluations, is_known) = differ(system, (t, x), APART * h, [at, f, wide]);
+        for ((arrival, size), rounding) in learnt.arrivals.iter_mut().zip(&learnt.ever).zip(wide.iter()) {
+            if let Arrival::Candidate { since, mark } = *arrival {
+                let is_solid = is_known && PILE * h * rounding.abs() <= SOLID * size;
+                let again =
+                    Arrival::Growing { since, mark: AGAIN * mark, size: *size, growth: f64::INFINITY };
+                *arrival = if is_solid { Arrival::Arrived } else { again };
+            }
+        }
+        self.renew();
+        evaluations
+    }
+
+    /// Whether a state that is far smaller than all others is followed as these.
+    pub fn has_arrived(&self, i: usize) -> bool {
+        self.learnt.as_ref().is_some_and(|learnt| learnt.arrivals[i] == Arrival::Arrived)
+    }
+
     /// Whether a state has been zero so far.
     pub fn never_moved(&self, i: usize) -> bool {
         self.learnt.as_ref().is_some_and(|learnt| learnt.ever[i] == 0.0)
@@ -381,7 +501,9 @@ impl Weights {
         let small = self.absolute[i] / self.relative.max(f64::EPSILON);
         let small = match &self.learnt {
             // Of what has hardly ever moved the size is unknown; beside the others its slopes must not drown in rounding.
-            Some(learnt) if learnt.ever[i] <= DWARF * learnt.largest => {
+            Some(learnt)
+                if learnt.ever[i] <= DWARF * learnt.largest && learnt.arrivals[i] != Arrival::Arrived =>
+            {
                 let unknown = UNKNOWN * learnt.largest;
                 // Its own nominal value says more than states of other units.
                 let nominal = self.nominal[i];
@@ -447,15 +569,10 @@ impl Weights {
         let mut evaluations = 0;
         for apart in [APART, APART * CLOSER] {
             let difference = if apart == APART { &mut *wide } else { &mut *close };
-            difference.fill(0.0);
-            for (p, weight) in FOURTH.into_iter().enumerate() {
-                shake(x, p, at);
-                evaluations += 1;
-                let evaluated = system.derivatives(t + (p + 1) as f64 * apart * h, at, f);
-                if evaluated.is_err() || f.iter().any(|f| !f.is_finite()) {
-                    return evaluations;
-                }
-                difference.iter_mut().zip(f.iter()).for_each(|(sum, f)| *sum += weight * f);
+            let (spent, is_known) = differ(system, (t, x), apart * h, [at, f, difference]);
+            evaluations += spent;
+            if !is_known {
+                return evaluations;
             }
             // What is far below the tolerances hides nothing, whatever it is.
             let matters = |i: usize| {
@@ -477,6 +594,28 @@ impl Weights {
         }
         evaluations
     }
+}
+
+/// Fourth differences of the derivatives at points behind (`t`, `x`) that are `apart` in time, where states differ by their last bits,
+/// from a point and a derivative to write to. Returns the evaluations, and whether all of them succeeded.
+fn differ(
+    system: &mut dyn System,
+    (t, x): (f64, &[f64]),
+    apart: f64,
+    [at, f, difference]: [&mut Vec<f64>; 3],
+) -> (u64, bool) {
+    difference.fill(0.0);
+    let mut evaluations = 0;
+    for (p, weight) in FOURTH.into_iter().enumerate() {
+        shake(x, p, at);
+        evaluations += 1;
+        let evaluated = system.derivatives(t + (p + 1) as f64 * apart, at, f);
+        if evaluated.is_err() || f.iter().any(|f| !f.is_finite()) {
+            return (evaluations, false);
+        }
+        difference.iter_mut().zip(f.iter()).for_each(|(sum, f)| *sum += weight * f);
+    }
+    (evaluations, true)
 }
 
 #[cfg(test)]
