@@ -20,10 +20,12 @@ const SURE: f64 = 0.4;
 const HALVINGS: u32 = 40;
 /// Real part of a pole, relative to its size, that is rounding.
 const BORDER: f64 = 1e-12;
-/// Steps in which what passes at once fades away.
-const FADING: u32 = 64;
 /// Most steps along the axis.
 const MOST_STEPS: usize = 400_000;
+/// How far below 1 what comes back through dead times must be, as a part of how far it ever gets.
+const QUIET: f64 = 0.05;
+/// Frequencies in a decade at which that is looked at.
+const EVEN: f64 = 60.0;
 
 /// One input and one output of a system with dead times in it.
 #[derive(Debug, Clone, PartialEq)]
@@ -324,8 +326,10 @@ impl Delayed {
     }
 
     /// How many poles grow, by the argument of the characteristic function along the imaginary axis (A. V. Mikhailov's criterion): over all
-    /// of it the function turns by pi for each of its n powers, less 2 pi for each root to the right. `None` if infinitely many
-    /// do, or that cannot be decided: signals pass dead times in a circle at once and hardly smaller.
+    /// of it the function turns by pi for each of its n powers, less 2 pi for each root to the right. Where less comes back through the dead
+    /// times than goes into them, the rest is that of the poles between them. `None` if infinitely many
+    /// do, or that cannot be decided: signals pass dead times in a circle at once and hardly smaller, or the dead time lasts for
+    /// too many periods of what they pass.
     ///
     /// # Errors
     /// [`LinearError::Shape`] if a root lies on the axis, so that the loop is at its border of stability.
@@ -345,9 +349,9 @@ impl Delayed {
         let b = DMatrix::from_fn(n, m, |i, j| b[(i, j + 1)] / scale[i]);
         let c = DMatrix::from_fn(m, n, |i, j| c[(i + 1, j)] * scale[j]);
         let d = around;
-        let passing = |e: &[Complex<f64>], share: f64| {
+        let passing = |e: &[Complex<f64>]| {
             DMatrix::from_fn(m, m, |i, j| {
-                Complex::new(f64::from(u8::from(i == j)), 0.0) - Complex::new(share * d[(i, j)], 0.0) * e[j]
+                Complex::new(f64::from(u8::from(i == j)), 0.0) - Complex::new(d[(i, j)], 0.0) * e[j]
             })
         };
         let ends = |w: f64| -> Vec<Complex<f64>> {
@@ -362,7 +366,7 @@ impl Delayed {
             let s = Complex::new(0.0, w);
             let e = ends(w);
             let zero = Complex::new(0.0, 0.0);
-            let passing = passing(&e, 1.0);
+            let passing = passing(&e);
             let lead = determinant(&passing);
             let back = solved(passing, c.map(|x| Complex::new(x, 0.0)))?;
             let joined = DMatrix::from_fn(n, n, |i, j| {
@@ -383,9 +387,18 @@ impl Delayed {
             let sign: Complex<f64> = joined.p().determinant();
             Some(sum + sign.arg())
         };
+        // What comes back through the dead times from what goes in.
+        let around = |w: f64| -> Option<DMatrix<Complex<f64>>> {
+            let s = Complex::new(0.0, w);
+            let own = DMatrix::from_fn(n, n, |i, j| {
+                Complex::new(-a[(i, j)], 0.0) + if i == j { s } else { Complex::new(0.0, 0.0) }
+            });
+            let complex = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
+            Some(complex(&c) * solved(own, complex(&b))? + complex(&d))
+        };
+        let own = poles(&a)?;
+        let Some(end) = quiet(&own, size, neutral, &around)? else { return Ok(None) };
         let longest = self.times.iter().copied().fold(0.0, f64::max);
-        // Beyond this nothing turns any more but what passes at once.
-        let end = 1e4 * size;
         let mut turned = 0.0;
         let (mut w, mut last) = (0.0, argument(0.0).ok_or_else(at_border)?);
         let mut step = 1e-6 * size;
@@ -393,12 +406,9 @@ impl Delayed {
         while w < end {
             count += 1;
             if count > MOST_STEPS {
-                return Err(LinearError::Shape(
-                    "the dead time is so much longer than the fastest time constant that stability cannot be decided"
-                        .to_owned(),
-                ));
+                return Ok(None);
             }
-            let mut next = w + step.min(SURE / longest.max(f64::MIN_POSITIVE) * (1.0 + w / size));
+            let mut next = (w + step.min(SURE / longest.max(f64::MIN_POSITIVE) * (1.0 + w / size))).min(end);
             let mut halvings = 0;
             let (change, there) = loop {
                 let there = argument(next).ok_or_else(at_border)?;
@@ -416,17 +426,55 @@ impl Delayed {
             step = 1.5 * (next - w);
             (w, last) = (next, there);
         }
-        // Back to the real axis far to the right: what passes at once shrinks to nothing on the way.
-        let end = ends(w);
-        let mut through = 0.0;
-        for k in 1..=FADING {
-            let at = |k: u32| determinant(&passing(&end, f64::from(k) / f64::from(FADING))).arg();
-            through += wrapped(at(k) - at(k - 1));
+        // From far to the right to here what comes back is smaller than what goes in, so that 1 less each of its eigenvalues stays to
+        // the right of zero; and each pole of its own is seen at an angle that is told by where it lies.
+        let e = ends(w);
+        let mut rest = -(n as f64) * w.atan2(size);
+        rest += own.iter().map(|pole| PI / 2.0 + pole.re.atan2(w - pole.im)).sum::<f64>();
+        if let Some(around) = around(w).filter(|_| w > 0.0) {
+            let back = DMatrix::from_fn(m, m, |i, j| e[i] * around[(i, j)]);
+            let (_, triangle) = nalgebra::Schur::new(back).unpack();
+            rest +=
+                triangle.diagonal().iter().map(|share| (Complex::new(1.0, 0.0) - share).arg()).sum::<f64>();
         }
-        let rest = through + wrapped(last - through);
+        rest += wrapped(last - rest);
         let count = (rest - turned) / PI;
         Ok(Some(count.round().max(0.0) as usize))
     }
+}
+
+/// A frequency, rad/s, from which on less comes back through dead times than goes into them, whatever their phases are: above it they move
+/// no pole to the other side (small gain). `None` where they are never so quiet.
+///
+/// `own` are the poles between them, `size` a bound of the frequencies at which anything happens, `neutral` what comes back at once,
+/// `around` all that does.
+fn quiet(
+    own: &[Complex<f64>],
+    size: f64,
+    neutral: f64,
+    around: &dyn Fn(f64) -> Option<DMatrix<Complex<f64>>>,
+) -> Result<Option<f64>, LinearError> {
+    let most = 1.0 - QUIET * (1.0 - neutral);
+    let (top, decades) = (1e4 * size, 20.0);
+    let even = (0..=(decades * EVEN) as usize).map(|k| top * 10_f64.powf(-(k as f64) / EVEN));
+    let mut grid: Vec<f64> =
+        even.chain(frequencies(own, &[], None).into_iter().filter(|w| *w < top)).collect();
+    grid.sort_by(|one, other| other.total_cmp(one));
+    let mut end = None;
+    for w in grid {
+        let is_quiet = match around(w) {
+            Some(around) => {
+                let shares = poles(&around.map(|x| x.norm()))?;
+                shares.iter().all(|share| share.norm() < most)
+            }
+            None => false,
+        };
+        if !is_quiet {
+            break;
+        }
+        end = Some(w);
+    }
+    Ok(end)
 }
 
 fn at_border() -> LinearError {
@@ -547,6 +595,39 @@ mod tests {
         // A lag beside it: y = 0.5 exp(-s T) y + ..., with a pole of its own that grows.
         let grows = system(&[2.0], &[1.0, 0.0], &[1.0, 1.0], &[0.0, 1.0, 0.0, 0.5]);
         assert_eq!(Delayed::new(&grows, 0, &[0.3]).unstable().unwrap(), Some(1));
+    }
+
+    #[test]
+    fn a_dead_time_may_be_as_much_longer_than_a_lag_as_it_likes() {
+        // x' = u - k v(t - T), lag v' = x - v: the limits are those of the integrator alone, but for the lag.
+        for (tau, time) in [(1e-3, 20.0), (1e-9, 1.0), (1e-6, 1e5)] {
+            for (product, growing) in [(0.1, 0), (1.55, 0), (1.59, 2), (7.9, 4)] {
+                let k = product / time;
+                let a = [0.0, 0.0, 1.0 / tau, -1.0 / tau];
+                let all = system(&a, &[1.0, -k, 0.0, 0.0], &[0.0, 1.0, 0.0, 1.0], &[0.0; 4]);
+                let way = Delayed::new(&all, 0, &[time]);
+                assert_eq!(way.unstable().unwrap(), Some(growing), "{tau} {time} {product}");
+            }
+        }
+        // k (s + 3) / (s + 1) exp(-0.7 s) in a loop: at a phase of an odd multiple of pi, atan(w/3) - atan(w) - 0.7 w, the gain is
+        // k sqrt(w^2 + 9) / sqrt(w^2 + 1).
+        let phase = |w: f64| (w / 3.0).atan() - w.atan() - 0.7 * w;
+        let limit = |turns: f64| {
+            let (mut low, mut high) = (0.0, 100.0);
+            for _ in 0..100 {
+                let middle = (low + high) / 2.0;
+                if phase(middle) > -turns * PI { low = middle } else { high = middle }
+            }
+            (low.mul_add(low, 1.0) / low.mul_add(low, 9.0)).sqrt()
+        };
+        for (turns, growing) in [(1.0, 0), (3.0, 2), (5.0, 4)] {
+            for (share, more) in [(0.999, 0), (1.001, 2)] {
+                let k = share * limit(turns);
+                let around = system(&[-1.0], &[2.0 * k, -2.0 * k], &[1.0, 1.0], &[k, -k, k, -k]);
+                let found = Delayed::new(&around, 0, &[0.7]).unstable().unwrap();
+                assert_eq!(found, Some(growing + more), "{turns} {share}");
+            }
+        }
     }
 
     #[test]
