@@ -25,6 +25,24 @@ pub struct State {
     pub negligible: f64,
     /// The least value that its law knows, where there is one: temperatures end at absolute zero.
     pub floor: Option<Floor>,
+    /// How often what the state stands for fits into it, where that follows from parameters: a run that goes on with other parameters
+    /// keeps what it stands for.
+    pub scale: f64,
+}
+
+impl State {
+    /// A state of which no more is known than its name and its value at the start.
+    pub fn new(name: impl Into<String>, initial: f64) -> Self {
+        Self {
+            name: name.into(),
+            initial,
+            dimension: None,
+            nominal: None,
+            negligible: 0.0,
+            floor: None,
+            scale: 1.0,
+        }
+    }
 }
 
 /// The least value of a state that its law knows. A run that has gone below it is no failure, but there is a warning at its end.
@@ -324,14 +342,7 @@ impl Interface {
 
     /// Adds a continuous state of a dimension, if it is known.
     pub fn state_in(mut self, name: impl Into<String>, initial: f64, dimension: Option<Dimension>) -> Self {
-        self.states.push(State {
-            name: name.into(),
-            initial,
-            dimension,
-            nominal: None,
-            negligible: 0.0,
-            floor: None,
-        });
+        self.states.push(State { dimension, ..State::new(name, initial) });
         self
     }
 

@@ -44,6 +44,7 @@ impl Simulation {
         let without_effect = starting_otherwise(&begun, &next);
         next.t = self.t;
         next.x.clone_from(&self.x);
+        keep_meaning(&mut next.x, [&self.schedule, &next.schedule]);
         next.diagram.d.clone_from(&self.diagram.d);
         next.modes.note(&next.diagram.d);
         for signal in &self.schedule.signals {
@@ -77,6 +78,16 @@ impl Simulation {
         next.begin_anew(observer)?;
         *self = next;
         Ok(without_effect)
+    }
+}
+
+/// Brings states to what they stand for by the second schedule, if the first one gave them another scale.
+fn keep_meaning(x: &mut [f64], [old, new]: [&Schedule; 2]) {
+    for (old, new) in old.blocks.iter().zip(&new.blocks) {
+        let states = old.interface.states.iter().zip(&new.interface.states);
+        for (x, (old, new)) in x[new.x..].iter_mut().zip(states) {
+            *x *= new.scale / old.scale;
+        }
     }
 }
 

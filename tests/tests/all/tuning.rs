@@ -62,6 +62,43 @@ fn decay(k: &str, solver: &str) -> String {
     )
 }
 
+/// The states of a transfer function are those of the canonical form, whatever the powers of two that they are kept in.
+#[test]
+fn the_states_of_a_transfer_function_are_kept() {
+    let text = |num: &str, den: &str| {
+        format!(
+            r#"Diagram(simulation: (stop_time: "3 s", solver: Ode45(rtol: 1e-9)), blocks: {{
+                "one": Constant(value: 1), "g": TransferFunction(num: {num}, den: {den}), "s": Scope(inputs: ["y"]) }},
+               connections: ["one.y -> g.u", "g.y -> s.y"])"#
+        )
+    };
+    for new in [0.99, 1.01, 0.999_999, 0.3, 5.0, 1e-3, 300.0] {
+        // 1 / (T s + 1) in two ways: the state is T y.
+        let forms: [&dyn Fn(f64) -> String; 2] =
+            [&|time| text(&format!("[{}]", 1.0 / time), &format!("[1, {}]", 1.0 / time)), &|time| {
+                text("[1]", &format!("[{time}, 1]"))
+            }];
+        for form in forms {
+            let (rows, t) = tuned(&form(1.0), &form(new), 2.0);
+            let jumped = (1.0 - (-t).exp()) / new;
+            for (time, row) in rows.iter().rev().take_while(|(time, _)| *time > t) {
+                let exact = 1.0 + (jumped - 1.0) * (-(time - t) / new).exp();
+                assert!(
+                    (row[0] - exact).abs() < 1e-6 * jumped.max(1.0),
+                    "{new} at {time}: {} {exact}",
+                    row[0]
+                );
+            }
+        }
+        // w^2 / (s^2 + 30 s + w^2) for w = 10, nearly at rest: its output is w^2 times the second state.
+        let form = |square: f64| text(&format!("[{square}]"), &format!("[1, 30, {square}]"));
+        let (rows, t) = tuned(&form(100.0), &form(100.0 * new), 2.9);
+        let after = rows.iter().rfind(|(time, _)| *time == t).expect("a row");
+        let exact = 1.0 - 1.170_820_393_2 * (-3.819_660_112_5 * t).exp();
+        assert!((after.1[0] - exact * new).abs() < 1e-4 * new, "{new}: {} {}", after.1[0], exact * new);
+    }
+}
+
 #[test]
 fn a_gain_acts_from_its_change_on() {
     for (solver, tolerance) in [

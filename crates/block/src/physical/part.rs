@@ -162,14 +162,7 @@ impl Part {
 
     /// Adds a state.
     pub fn state(mut self, name: &str, initial: f64) -> Self {
-        self.states.push(State {
-            name: name.to_owned(),
-            initial,
-            dimension: None,
-            nominal: None,
-            negligible: 0.0,
-            floor: None,
-        });
+        self.states.push(State::new(name, initial));
         self
     }
 

@@ -120,14 +120,7 @@ impl<'a> Rational<'a> {
         interface =
             if self.feedthrough() == 0.0 { interface.output_from_state(y) } else { interface.output(y) };
         interface.states = (0..u.shape.len() * self.order())
-            .map(|i| State {
-                name: format!("x{}", i % self.order() + 1),
-                initial: x0,
-                dimension: None,
-                nominal: None,
-                negligible: 0.0,
-                floor: None,
-            })
+            .map(|i| State::new(format!("x{}", i % self.order() + 1), x0))
             .collect();
         interface
     }

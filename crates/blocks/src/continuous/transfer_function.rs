@@ -16,7 +16,8 @@ use super::rational::Rational;
 /// ```
 ///
 /// States are those of the controllable canonical form in a time that the fastest pole sets, so that they are as large as
-/// the signals: with a power of two $p$ near its magnitude, state $i$ is $p^i$ times the canonical one.
+/// the signals: with a power of two $p$ near its magnitude, state $i$ is $p^i$ times the canonical one. Where coefficients change during a
+/// run, the canonical states are kept.
 ///
 /// Source: controllable canonical form, T. Kailath, Linear Systems, 1980, chapter 2.
 #[derive(Debug, Clone, BlockMeta)]
@@ -49,7 +50,13 @@ impl TransferFunction {
 
 impl Block for TransferFunction {
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
-        Ok(self.ratio().interface(given, 0.0))
+        let ratio = self.ratio();
+        let (n, pace) = (ratio.order(), ratio.pace());
+        let mut interface = ratio.interface(given, 0.0);
+        for (i, state) in interface.states.iter_mut().enumerate() {
+            state.scale = pace.powi((i % n + 1) as i32);
+        }
+        Ok(interface)
     }
 
     fn law(&self, l: &Recording) -> bool {

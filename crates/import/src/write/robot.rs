@@ -14,7 +14,7 @@ pub fn robot(mechanism: &Mechanism, chain: &Chain, files: &Files) -> (String, Ve
     let mut out = format!(
         "// {} as one description, for kinematics, planning and dynamics: the mechanism of\n// {}, made of the same \
          numbers. Importing again leaves this file alone.\n//\n// {} has no accelerations: here every axis comes to \
-         full speed within\n// 0.5 s, and the tool may do 5 m/s and 5 m/s^2. Put in what yours can do; motors, gears and bearings \
+         full speed within\n// 0.5 s, and the tool may do 5 m/s and 20 m/s^2. Put in what yours can do; motors, gears and bearings \
          go into\n// `drive` of an axis, a tool into `tool` and `load`.\n(\n",
         line(&mechanism.name),
         line(files.diagram),

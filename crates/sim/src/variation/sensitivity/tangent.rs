@@ -416,14 +416,7 @@ fn tangent_instance(
     };
     let states = instance.interface.states.iter().zip(x);
     let values = states.clone().map(|(state, (value, _))| State { initial: *value, ..state.clone() });
-    let slopes = states.map(|(state, (_, slope))| State {
-        name: format!("d {}", state.name),
-        initial: *slope,
-        dimension: None,
-        nominal: None,
-        negligible: 0.0,
-        floor: None,
-    });
+    let slopes = states.map(|(state, (_, slope))| State::new(format!("d {}", state.name), *slope));
     let discrete = instance.interface.discrete.iter().zip(d);
     let held = discrete.clone().map(|(state, (value, _))| Discrete::new(state.name(), *value));
     let has_samples = !law.updated.is_empty();
