@@ -9,4 +9,6 @@ pub struct Invariant {
     pub followers: [Vec<usize>; 2],
     /// What they are made of, where that is more: slopes of gaps that are small against those of the terms are rounding.
     pub terms: Vec<f64>,
+    /// Whether no impulse brings it about where it does not hold: bodies cannot jump to where their loop is closed.
+    pub is_lasting: bool,
 }

@@ -28,6 +28,7 @@ impl Network {
                 gaps: vec![square - 1.0],
                 followers: [(ball.position..ball.position + 4).collect(), Vec::new()],
                 terms: Vec::new(),
+                is_lasting: false,
             }
         }));
         for (index, island) in self.electrics.islands.iter().enumerate() {
@@ -49,6 +50,7 @@ impl Network {
                 gaps: gaps.as_slice().to_vec(),
                 followers: [of_positions.clone().collect(), Vec::new()],
                 terms: Vec::new(),
+                is_lasting: true,
             })
         });
         let rates = w.loops.rate.chunks(3);
@@ -57,6 +59,7 @@ impl Network {
                 gaps: rates.to_vec(),
                 followers: [of_speeds.clone().collect(), Vec::new()],
                 terms: Vec::new(),
+                is_lasting: false,
             }))
             .collect()
     }

@@ -42,7 +42,7 @@ pub use rows::record::{Control, Observer};
 pub use simulation::{Counts, Ended, Simulation};
 pub use snapshot::Snapshot;
 pub use steady::Rest;
-pub use tuning::untunable;
+pub use tuning::{NUMBERS, other_model, untunable};
 pub use variation::chain::Origin;
 pub use variation::frozen::{Frozen, Tap};
 pub use variation::period::{Period, PeriodMap, PeriodSlopes};

@@ -6,16 +6,32 @@
 
 use std::sync::Arc;
 
+use blocksim_block::Invariant;
 use blocksim_block::schedule::{Instance, Schedule};
 
+use crate::diagnose::number;
+use crate::evaluation::evaluate::Diagram;
 use crate::{Observer, SimError, Simulation};
+
+/// Gap of a closed loop, rad or m, that counts as none, and the factor of one that has drifted open that does so as well.
+const CLOSED: f64 = 1e-6;
+const DRIFT: f64 = 10.0;
+
+/// What helps where parameters make another model.
+pub const NUMBERS: &str =
+    "run it from the start; while a run goes on, parameters may change numbers, not what there is";
+
+/// That parameters make another model, and by what it differs.
+pub fn other_model(difference: &str) -> String {
+    format!("the parameters make another model: {difference}")
+}
 
 impl Simulation {
     /// Goes on with other parameters: those of a schedule of the same diagram. Sampled blocks use theirs from their next hit on.
     /// Returns the paths of blocks whose values at the start are others now, which have no effect any more.
     ///
     /// # Errors
-    /// `tuning` if blocks, states, signals or sample times differ; the run is then as it was. Those of a major step, if one
+    /// `tuning` if blocks, states, signals or sample times differ, or if a closed loop of bodies would be open; the run is then as it was. Those of a major step, if one
     /// with these parameters cannot be made.
     pub fn tune(
         &mut self,
@@ -23,14 +39,27 @@ impl Simulation {
         observer: &mut dyn Observer,
     ) -> Result<Vec<String>, SimError> {
         if let Some(difference) = untunable(&self.schedule, &schedule) {
-            let message = format!("the parameters make another model: {difference}");
-            let help = "run it from the start; while a run goes on, parameters may change numbers, not what there is";
-            return Err(SimError::new("tuning", self.t, message).help(help));
+            return Err(SimError::new("tuning", self.t, other_model(&difference)).help(NUMBERS));
         }
         let mut next = Self::given(schedule)?;
         if !self.started {
             *self = next;
             return Ok(Vec::new());
+        }
+        let begun = Self::given(Arc::clone(&self.schedule))?;
+        let without_effect = starting_otherwise(&begun, &next);
+        next.t = self.t;
+        next.x.clone_from(&self.x);
+        keep_meaning(&mut next.x, [&self.schedule, &next.schedule]);
+        next.diagram.d.clone_from(&self.diagram.d);
+        next.diagram.place(next.t, &next.x);
+        if let Some((block, gap)) = opened(&mut self.diagram, &mut next.diagram, &self.schedule) {
+            let message = format!(
+                "the bodies of `{block}` cannot go on with these parameters: a closed loop would be open by {} (m or rad)",
+                number(format!("{gap:.2e}").parse().unwrap_or(gap))
+            );
+            let help = "change lengths and axes of a closed loop before a run; its joints then start where it closes";
+            return Err(SimError::new("tuning", self.t, message).help(help));
         }
         // Only a network that works circuits out beyond the present has to know.
         let (old, new) = (Arc::clone(&self.schedule), Arc::clone(&next.schedule));
@@ -40,11 +69,6 @@ impl Simulation {
         };
         let noted = self.diagram.note(is_changed).and_then(|()| self.diagram.update_between(self.t));
         self.held(noted)?;
-        let begun = Self::given(Arc::clone(&self.schedule))?;
-        let without_effect = starting_otherwise(&begun, &next);
-        next.t = self.t;
-        next.x.clone_from(&self.x);
-        keep_meaning(&mut next.x, [&self.schedule, &next.schedule]);
         next.diagram.d.clone_from(&self.diagram.d);
         next.modes.note(&next.diagram.d);
         for signal in &self.schedule.signals {
@@ -79,6 +103,21 @@ impl Simulation {
         *self = next;
         Ok(without_effect)
     }
+}
+
+/// Largest gap of what cannot close by itself that other parameters open, and the block that it belongs to.
+fn opened(old: &mut Diagram, new: &mut Diagram, schedule: &Schedule) -> Option<(String, f64)> {
+    let size = |invariant: &Invariant| invariant.gaps.iter().map(|gap| gap * gap).sum::<f64>().sqrt();
+    let (before, after) = (old.invariants(), new.invariants());
+    let opened =
+        before.iter().zip(&after).filter(|(_, after)| after.is_lasting).filter_map(|(before, after)| {
+            let gap = size(after);
+            let state = *after.followers[0].first()?;
+            (gap > CLOSED + DRIFT * size(before)).then_some((state, gap))
+        });
+    let (state, gap) = opened.max_by(|one, other| one.1.total_cmp(&other.1))?;
+    let own = |block: &&Instance| (block.x..block.x + block.interface.states.len()).contains(&state);
+    schedule.blocks.iter().find(own).map(|block| (block.path.clone(), gap))
 }
 
 /// Brings states to what they stand for by the second schedule, if the first one gave them another scale.

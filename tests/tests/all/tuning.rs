@@ -269,6 +269,27 @@ fn the_same_parameters_change_nothing() {
     }
 }
 
+/// A bar of a four-bar linkage cannot become longer while the others stay where they are; its mass can change.
+#[test]
+fn a_closed_loop_of_bodies_is_not_opened() {
+    let file = |change: &str| {
+        let (compiled, problems) = compile_file("diagrams/four_bar.ron", &[change]);
+        Arc::new(compiled.schedule.unwrap_or_else(|| panic!("{problems}")))
+    };
+    let mut simulation = Simulation::new(file("density=4 kg/m")).expect("a start");
+    let mut watch = Watch { stop: Some(0.5), ..Watch::default() };
+    simulation.run(&mut watch).expect("a run");
+    let error = simulation.tune(file("coupler_length=0.3 m"), &mut watch).expect_err("an open loop");
+    assert_eq!(error.code, "tuning");
+    assert!(error.message.contains("a closed loop would be open by 0.15"), "{}", error.message);
+    // As for any other model that is refused, the run goes on as it was.
+    watch.stop = Some(0.6);
+    simulation.run(&mut watch).expect("a run");
+    simulation.tune(file("density=5 kg/m"), &mut watch).expect("another mass");
+    watch.stop = None;
+    assert_eq!(simulation.run(&mut watch).expect("a run"), Ended::Finished);
+}
+
 #[test]
 fn another_model_is_refused_and_the_run_goes_on() {
     let text = decay("-1 1/s", "Ode4(step: \"1 ms\")");

@@ -97,7 +97,7 @@ impl Tunes for WithChanges<'_> {
                 self.recorder.event(t, target, &what);
             }
             Err((why, help)) => {
-                self.refused = Some((format!("`{set}` cannot be set at {t} s: {why}"), help));
+                self.refused = Some((tuning::unset(set, t, &why), help));
             }
         }
     }

@@ -3,11 +3,13 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use blocksim_block::schedule::Schedule;
 use blocksim_diagram::{Options, SourceFile, Sources, compile_with};
-use blocksim_sim::{Ended, Observer, SimError, Simulation};
+use blocksim_sim::{Ended, NUMBERS, Observer, SimError, Simulation, other_model, untunable};
 
 use crate::args::model::RunArgs;
 use crate::disk::{Disk, Overlaid};
+use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::running::{interrupt, solver};
 use crate::trust::{Plugins, Purpose};
@@ -162,10 +164,42 @@ impl<'a> Tuner<'a> {
     fn tune(&mut self, simulation: &mut Simulation, set: &str, observer: &mut dyn Observer) -> Came {
         let mut all = self.set.clone();
         all.push(set.to_owned());
+        let schedule = self.made(&all)?;
+        let without_effect =
+            simulation.tune(Arc::new(schedule), observer).map_err(|error| (error.message, error.help))?;
+        self.set = all;
+        Ok(without_effect)
+    }
+
+    /// Refuses changes of which it is known before the run that they cannot be made.
+    ///
+    /// # Errors
+    /// `tuning` with the first of them.
+    pub fn foresee(&self, schedule: &Schedule, changes: &[(When, String)]) -> Result<(), Failure> {
+        let mut all = self.set.clone();
+        let mut planned = Planned::new(changes);
+        while let Some((when, set)) = planned.next(f64::INFINITY) {
+            all.push(set.clone());
+            let refused = match self.made(&all) {
+                Ok(next) => {
+                    untunable(schedule, &next).map(|why| (other_model(&why), Some(NUMBERS.to_owned())))
+                }
+                Err(refused) => Some(refused),
+            };
+            if let Some((why, help)) = refused {
+                let failure = Failure::new(Exit::Failed, "tuning", unset(&set, when.time(), &why));
+                return Err(failure.perhaps_help(help.as_ref()).last("nothing was run"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The model with all of this set.
+    fn made(&self, all: &[String]) -> Result<Schedule, (String, Option<String>)> {
         let disk = Disk::with(Plugins::of(self.args.model.plugins, Purpose::Run));
         let texts = self.texts.iter().map(|file| (file.path.clone(), file.text.to_string())).collect();
         let reader = Overlaid { disk, texts };
-        let options = Options { overrides: &all, recorded: &self.args.record, ..Options::default() };
+        let options = Options { overrides: all, recorded: &self.args.record, ..Options::default() };
         let mut compiled = compile_with(&Sources::new(&reader), &self.args.model.model, &options);
         let Some(mut schedule) = compiled.schedule.take() else {
             let first = compiled.problems.into_iter().next();
@@ -173,11 +207,13 @@ impl<'a> Tuner<'a> {
                 .map_or(("it cannot be set".to_owned(), None), |problem| (problem.message, problem.help)));
         };
         solver::apply(&self.args.solver, &mut schedule.settings).map_err(refusal)?;
-        let without_effect =
-            simulation.tune(Arc::new(schedule), observer).map_err(|error| (error.message, error.help))?;
-        self.set = all;
-        Ok(without_effect)
+        Ok(schedule)
     }
+}
+
+/// Why a parameter cannot be set during a run.
+pub fn unset(set: &str, t: f64, why: &str) -> String {
+    format!("`{set}` cannot be set at {t} s: {why}")
 }
 
 fn refusal(failure: Failure) -> (String, Option<String>) {

@@ -199,10 +199,11 @@ impl Diagram {
         let found = units.flat_map(|(unit, w)| {
             let first = unit.x.range().start;
             let own = unit.block.invariants(&now.context(unit, signals, &d[unit.d.range()]), w);
-            own.into_iter().map(move |Invariant { gaps, followers, terms }| Invariant {
-                gaps,
-                followers: followers.map(|states| states.into_iter().map(|state| first + state).collect()),
-                terms,
+            own.into_iter().map(move |own| Invariant {
+                followers: own
+                    .followers
+                    .map(|states| states.into_iter().map(|state| first + state).collect()),
+                ..own
             })
         });
         let found = found.collect();

@@ -414,7 +414,7 @@ fn free(n: usize, point: &[f64], function: &mut impl Function) -> Result<(Direct
         first += rows;
         slopes.value.rows(first - rows, rows).into_owned()
     };
-    let kinds = here.into_iter().map(|Invariant { gaps, followers, terms }| Constrained {
+    let kinds = here.into_iter().map(|Invariant { gaps, followers, terms, .. }| Constrained {
         gaps: part(gaps.len()),
         followers,
         terms: part(terms.len()),

@@ -18,6 +18,7 @@ use crate::failure::Failure;
 use crate::loaded::{Loaded, load_with};
 use crate::running::blame::failure;
 use crate::running::selection::{Selection, select};
+use crate::running::tuning::Tuner;
 use crate::running::{interrupt, native, solver};
 use crate::terminal::console::Console;
 use crate::trust::Purpose;
@@ -53,6 +54,9 @@ pub fn prepare(args: &RunArgs, console: Console) -> Result<(Setup, Simulation), 
     solver::apply(&args.solver, &mut schedule.settings)?;
     let poses = loaded.scene().map(Scene::signals).unwrap_or_default();
     let selection = select(&schedule.recorded, &args.signals, &poses, &schedule.settings)?;
+    if args.live.is_none() {
+        Tuner::new(args, &loaded.on_disk).foresee(&schedule, &args.change)?;
+    }
     interrupt::take_over();
     let started = SystemTime::now();
     let folder = results_folder(args, started, 1).map_err(|error| unwritten(&error))?;
