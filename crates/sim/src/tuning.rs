@@ -52,6 +52,10 @@ impl Simulation {
         next.x.clone_from(&self.x);
         keep_meaning(&mut next.x, [&self.schedule, &next.schedule]);
         next.diagram.d.clone_from(&self.diagram.d);
+        for signal in &self.schedule.signals {
+            let cells = signal.offset..signal.offset + signal.shape.len();
+            next.diagram.signals[cells.clone()].copy_from_slice(&self.diagram.signals[cells]);
+        }
         next.diagram.place(next.t, &next.x);
         if let Some((block, gap)) = opened(&mut self.diagram, &mut next.diagram, &self.schedule) {
             let message = format!(
@@ -71,10 +75,6 @@ impl Simulation {
         self.held(noted)?;
         next.diagram.d.clone_from(&self.diagram.d);
         next.modes.note(&next.diagram.d);
-        for signal in &self.schedule.signals {
-            let cells = signal.offset..signal.offset + signal.shape.len();
-            next.diagram.signals[cells.clone()].copy_from_slice(&self.diagram.signals[cells]);
-        }
         next.diagram.loops.anchors.clone_from(&self.diagram.loops.anchors);
         next.diagram.place(next.t, &next.x);
         let noted = next.diagram.note(is_changed);
