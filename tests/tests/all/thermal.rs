@@ -1,6 +1,6 @@
 //! Thermal networks against closed forms, and parts whose heat flows into them.
 
-use blocksim_tests::{Run, problems, run_text};
+use blocksim_tests::{Run, close, compile_text, problems, run, run_text};
 
 fn text(settings: &str, blocks: &str, connections: &str, shown: &str) -> String {
     format!(
@@ -196,6 +196,30 @@ fn what_is_wrong_with_a_thermal_network_is_said_in_its_terms() {
     assert!(said.contains("nothing determines the temperature"), "{said}");
     let said = problems(r#""a": HeatCapacity(c: 1.0)"#, "");
     assert!(said.contains("the thermal port `a.h` is not connected"), "{said}");
+}
+
+/// `C dT/dt = V^2 / (R (1 + alpha (T - T_0)))` comes to where the resistance is zero, 200 K above `T_0`, after
+/// `C R 100 K / V^2`, and not beyond.
+#[test]
+fn a_resistance_that_its_temperature_would_make_negative_is_named() {
+    for solver in ["Auto", "Ode45", "Ode23"] {
+        let model = text(
+            &format!(r#"stop_time: "20 s", solver: {solver}"#),
+            r#""v": VoltageSource(v: "60 V"), "g": ElectricalReference,
+               "r": Resistor(r: "10 ohm", heat_port: true, alpha: "-0.005 1/K"), "c": HeatCapacity(c: "10 J/K")"#,
+            r#""v.p <-> r.p", "v.n <-> r.n <-> g.p", "r.h <-> c.h", "c.t -> s.t""#,
+            r#""t""#,
+        );
+        let (compiled, problems) = compile_text(&model);
+        let failure =
+            run(compiled.schedule.unwrap_or_else(|| panic!("{problems}"))).error.expect("a failure");
+        close(failure.t, 10.0 * 10.0 * 100.0 / 3600.0, 5e-3, solver);
+        let message = failure.to_string();
+        assert!(
+            message.contains("the law of `r` has no value at ") && message.contains(" V, 493.1"),
+            "{solver}: {message}"
+        );
+    }
 }
 
 /// `T = T_0 + q t / C` is negative from `t = - C T_0 / q` on.

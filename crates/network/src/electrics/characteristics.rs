@@ -123,6 +123,7 @@ impl Network {
         w: &Work,
         room: &mut CharacteristicRoom,
     ) -> Result<(), NotFound> {
+        room.outside = None;
         self.set_out(island, c, true, room);
         let mut found = self.newton(island, c, w, room);
         if matches!(found, Err(NotFound::NotFinite)) {
@@ -327,6 +328,11 @@ impl Network {
             room.residual[k] = left;
             sum += left * left;
         }
+        let has_no_value = |k: &usize| !room.current[circuit.characteristics[*k].1].is_finite();
+        if let Some(k) = (0..curves).find(has_no_value) {
+            room.outside = Some(k);
+            room.tried[..n].copy_from_slice(&room.trial[..n]);
+        }
         sum.sqrt()
     }
 
@@ -364,7 +370,36 @@ impl Network {
         }
     }
 
+    /// Where a law has no value that a search has come to the border of.
+    fn border(&self, island: usize, room: &CharacteristicRoom) -> Option<String> {
+        let circuit = &self.electrics.islands[island];
+        let member = |k: usize| circuit.two_pins[circuit.characteristics[k].0].member;
+        let outside = member(room.outside?);
+        let own = (0..circuit.characteristics.len()).filter(|k| member(*k) == outside);
+        let mut values = Vec::new();
+        for k in own {
+            let (tried, at) = (room.tried[k], room.unknown[k]);
+            if (tried - at).abs() > NEAR * tried.abs().max(at.abs()) {
+                return None;
+            }
+            let two_pin = &circuit.two_pins[circuit.characteristics[k].0];
+            // What goes from absolute zero or the surroundings into a port is counted from there.
+            let value = if two_pin.p.is_none() { -tried } else { tried };
+            let value: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+            values.push(format!("{value} {}", Nodal::of(two_pin.domain).unit));
+        }
+        let path = &self.seats[outside].member.path;
+        Some(format!("the law of `{path}` has no value at {}", values.join(", ")))
+    }
+
     fn not_found(&self, island: usize, t: f64, why: &NotFound, room: &CharacteristicRoom) -> String {
+        let has_searched = matches!(why, NotFound::Stuck | NotFound::TooLong);
+        if let Some(border) = self.border(island, room).filter(|_| has_searched) {
+            return format!(
+                "at {t} s no operating point was found: {border}, to which the search has come; check its parameters, and \
+                 whether a quantity is larger than the law is made for"
+            );
+        }
         let circuit = &self.electrics.islands[island];
         let n = self.unknowns(island);
         let worst = (0..circuit.characteristics.len())
@@ -400,6 +435,8 @@ impl Network {
     }
 }
 
+/// How near to where a law has no value a search comes that is kept from going on by that.
+const NEAR: f64 = 1e-2;
 /// Iterates that a message shows.
 const SHOWN: usize = 6;
 

@@ -60,6 +60,9 @@ pub(crate) struct CharacteristicRoom {
     pub ratio: Vec<f64>,
     /// Voltages on the way, for a message.
     pub way: Vec<f64>,
+    /// A characteristic whose law had no value where it was tried last without one, and what was tried there.
+    pub outside: Option<usize>,
+    pub tried: Vec<f64>,
 }
 
 impl CharacteristicRoom {
@@ -105,6 +108,8 @@ impl CharacteristicRoom {
             pivots: vec![0; n],
             ratio: vec![0.0; electrics.transformers.len()],
             way: Vec::with_capacity(8 * n),
+            outside: None,
+            tried: vector(),
         }
     }
 }
