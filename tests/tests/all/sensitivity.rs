@@ -61,6 +61,29 @@ fn a_lag_changes_with_its_time_constant_as_the_formula_says() {
     }
 }
 
+/// The steps that the oscillator asks for move the sine by rounding of their tolerance, which is no jump.
+#[test]
+fn a_signal_that_does_not_depend_on_the_parameter_does_not_stand_against_the_tangent() {
+    for solver in ["Auto", "Ode23", "Ode15s"] {
+        let text = |stiffness: f64| {
+            diagram(
+                solver,
+                &format!(
+                    r#""v": Integrator, "x": Integrator(x0: 1.0), "k": Gain(k: {:?}),
+                       "u": Sine(frequency: "0.5 Hz"), "beside": Integrator"#,
+                    -stiffness
+                ),
+                r#""v.y -> x.u", "x.y -> k.u, show.x", "k.y -> v.u", "u.y -> beside.u", "beside.y -> show.beside""#,
+            )
+            .replace("Scope", r#"Scope(inputs: ["x", "beside"])"#)
+        };
+        let (found, paths) = by(4.0, &text);
+        assert_eq!(found.by_differences, None, "{solver}");
+        let beside = paths.iter().position(|path| path == "show.beside").expect("it is recorded");
+        assert!(found.values[beside].iter().all(|value| *value == 0.0), "{solver}");
+    }
+}
+
 #[test]
 fn an_oscillator_changes_with_its_stiffness_as_the_formula_says() {
     for solver in SOLVERS {

@@ -72,6 +72,7 @@ pub fn sensitivity_on(
 ) -> Result<Option<Sensitivity>, SimError> {
     assert!(distance > 0.0, "the values of a parameter are apart");
     let own = &variants[2];
+    let noise = tightened(&own.settings.solver).unwrap_or(f64::EPSILON);
     let paths = |schedule: &Schedule| schedule.recorded.iter().map(|r| r.path.clone()).collect::<Vec<_>>();
     let stop = |schedule: &Schedule| schedule.settings.stop_time;
     if variants.iter().any(|other| paths(other) != paths(own) || stop(other) != stop(own)) {
@@ -88,11 +89,14 @@ pub fn sensitivity_on(
     let length = runs.iter().map(Vec::len).min().unwrap_or(0);
     let signals = own.recorded.len();
     let (mut values, mut errors) = (vec![vec![0.0; length]; signals], vec![vec![0.0; length]; signals]);
+    let mut noises = vec![0.0_f64; signals];
     for signal in 0..signals {
         for at in 0..length {
-            let [far_below, below, above, far_above] = [0, 1, 2, 3].map(|run| runs[run][at][signal]);
-            let (value, error) = extrapolated([far_below, below, above, far_above], distance);
+            let courses = [0, 1, 2, 3].map(|run| runs[run][at][signal]);
+            let (value, error) = extrapolated(courses, distance);
             (values[signal][at], errors[signal][at]) = (value, error);
+            noises[signal] =
+                courses.iter().fold(noises[signal], |most, y| most.max(noise * y.abs() / distance));
         }
     }
     let times = times(stop(own), intervals, length);
@@ -101,7 +105,7 @@ pub fn sensitivity_on(
         Err(reason) => reason,
         Ok((tangent, cells)) => match on_grid(&tangent, intervals, go_on) {
             Ok(None) => return Ok(None),
-            Ok(Some(rows)) => match taken(&differences, &rows, &cells, own) {
+            Ok(Some(rows)) => match taken(&differences, &noises, &rows, &cells, own) {
                 Ok(found) => return Ok(Some(found)),
                 Err(reason) => reason,
             },
@@ -169,9 +173,11 @@ fn extrapolated([far_below, below, above, far_above]: [f64; 4], distance: f64) -
     ((4.0 * narrow - wide) / 3.0, (narrow - wide).abs().max(f64::EPSILON * size / distance))
 }
 
-/// What a tangent gives, with its difference from differences as its error, if both agree.
+/// What a tangent gives, with its difference from differences as its error, if both agree. `noises` are what the tolerance of the runs
+/// may make of the difference of a signal that does not depend on the parameter, where their steps do.
 fn taken(
     differences: &Sensitivity,
+    noises: &[f64],
     rows: &[Vec<f64>],
     cells: &[Option<usize>],
     own: &Schedule,
@@ -186,7 +192,7 @@ fn taken(
         for (at, (value, error)) in values.iter_mut().zip(errors).enumerate() {
             let exact = cell.map_or(0.0, |cell| rows[at][cell]);
             let apart = (exact - *value).abs();
-            let within = apart <= ERRORS * *error + SHARE * largest;
+            let within = apart <= ERRORS * error.max(noises[signal]) + SHARE * largest;
             if !within {
                 return Err(format!(
                     "the tangent of `{}` differs from differences from {} s on, as where something jumps at a time that depends on the \
@@ -201,6 +207,14 @@ fn taken(
     Ok(found)
 }
 
+/// The relative tolerance of runs whose difference is taken; none with steps of fixed length.
+fn tightened(solver: &Solver) -> Option<f64> {
+    match solver {
+        Solver::Variable { rtol, .. } => Some((rtol * TIGHTER).clamp(TIGHTEST, AT_MOST)),
+        _ => None,
+    }
+}
+
 /// Runs a model and keeps the recorded signals on the grid; nothing if `go_on` says no.
 fn on_grid(
     schedule: &Schedule,
@@ -208,10 +222,9 @@ fn on_grid(
     go_on: &mut dyn FnMut() -> Control,
 ) -> Result<Option<Vec<Vec<f64>>>, SimError> {
     let mut schedule = schedule.clone();
-    if let Solver::Variable { rtol, atol, .. } = &mut schedule.settings.solver {
-        let before = *rtol;
-        *rtol = (before * TIGHTER).clamp(TIGHTEST, AT_MOST);
-        let part = *rtol / before;
+    let tight = tightened(&schedule.settings.solver);
+    if let (Solver::Variable { rtol, atol, .. }, Some(tight)) = (&mut schedule.settings.solver, tight) {
+        let part = tight / std::mem::replace(rtol, tight);
         atol.iter_mut().for_each(|atol| *atol *= part);
         schedule.settings.atol.iter_mut().for_each(|tolerance| tolerance.value *= part);
     }
