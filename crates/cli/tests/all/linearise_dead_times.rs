@@ -136,4 +136,21 @@ fn a_model_without_signals_has_its_poles_and_with_dead_times_the_number_of_those
     let none = desk.linearise(&["none.ron"]);
     assert_eq!(none.status.code(), Some(2));
     assert!(said(&none).contains("the model has no states, and so no poles"), "{}", said(&none));
+    // A dead time that nothing leads back to adds no poles, and one that is a loop by itself has no others.
+    let beside = r#"Diagram(simulation: (stop_time: "1 s"), blocks: { "lag": LowPass(tau: "1 s"), "late": TransportDelay(delay: "1 s"),
+        "show": Scope, "one": Constant(value: 1) }, connections: ["one.y -> lag.u", "lag.y -> late.u", "late.y -> show.u"])"#;
+    std::fs::write(desk.0.join("beside.ron"), beside).unwrap();
+    let text = desk.linearise(&["beside.ron"]);
+    let text = String::from_utf8_lossy(&text.stdout).into_owned();
+    let told = "no loop leads through a dead time, which adds no poles: `late`";
+    assert!(text.contains(told) && text.ends_with("stable\n"), "{text}");
+    let alone = r#"Diagram(simulation: (stop_time: "1 s"), blocks: { "gain": Gain(k: -0.5), "late": TransportDelay(delay: "1 s") },
+        connections: ["gain.y -> late.u", "late.y -> gain.u"])"#;
+    std::fs::write(desk.0.join("alone.ron"), alone).unwrap();
+    let text = desk.linearise(&["alone.ron"]);
+    let text = String::from_utf8_lossy(&text.stdout).into_owned();
+    assert!(
+        text.ends_with("with dead times, `late`, there are infinitely many poles: none of them grows\n"),
+        "{text}"
+    );
 }

@@ -136,6 +136,12 @@ pub fn all_growing(linearised: &Linearised) -> Result<Option<usize>, LinearError
     Delayed::whole(&linearised.system, &times).growing()
 }
 
+/// Whether a loop of the model leads through a dead time.
+pub fn has_circle(linearised: &Linearised) -> bool {
+    let times: Vec<f64> = linearised.dead.iter().map(|dead| dead.1).collect();
+    Delayed::whole(&linearised.system, &times).is_circular()
+}
+
 /// What is told of the ways to all outputs.
 ///
 /// # Errors

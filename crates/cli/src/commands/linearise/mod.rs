@@ -17,7 +17,7 @@ use std::sync::Arc;
 use blocksim_block::schedule::Schedule;
 use blocksim_linear::{LinearError, Mode};
 
-use self::facts::{Law, Way, all_growing, all_modes, ways};
+use self::facts::{Law, Way, all_growing, all_modes, has_circle, ways};
 use self::locus::Locus;
 use self::matrices::{Linearised, NoMatrices, Question};
 use self::point::Lost;
@@ -176,7 +176,7 @@ fn found(
         }
     };
     let wrong = |error: LinearError| Failure::new(Exit::Failed, "linearise", error.to_string());
-    if question.from.is_none() && linearised.names.is_empty() {
+    if question.from.is_none() && linearised.names.is_empty() && !has_circle(&linearised) {
         return Err(Failure::usage("the model has no states, and so no poles")
             .help("name a signal to begin at, --from, and some that answer, --to"));
     }

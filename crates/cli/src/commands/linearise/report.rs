@@ -5,7 +5,7 @@ use blocksim_numbers::format::{fixed, significant};
 use blocksim_terminal::{Align, PlotOptions, Series, Table, plot};
 
 use super::Found;
-use super::facts::{Dead, Law, Way, decibels, degrees};
+use super::facts::{Dead, Law, Way, decibels, degrees, has_circle};
 use super::matrices::{Hold, Linearised, Method, Stays};
 use crate::terminal::console::Console;
 use crate::terminal::format::{digits, short_time};
@@ -101,7 +101,7 @@ fn heading(found: &Found) -> String {
         ));
     }
     if !remembers.is_empty() {
-        text.push_str(&format!("held, as they answer from memory: {remembers}\n"));
+        text.push_str(&format!("their memory is held: {remembers}\n"));
     }
     for (stays, words) in
         [(Stays::Stuck, "sticks, and goes on sticking"), (Stays::Limited, "at a limit, and stays there")]
@@ -226,8 +226,12 @@ fn of_way(found: &Found, way: &Way, output: usize) -> String {
 fn of_model(found: &Found) -> String {
     let system = &found.linearised;
     let mut text = "\n".to_owned();
-    if !system.dead.is_empty() {
-        let all: Vec<String> = system.dead.iter().take(FEW).map(|(path, _)| format!("`{path}`")).collect();
+    let is_circular = has_circle(system);
+    let all: Vec<String> = system.dead.iter().map(|(path, _)| path.clone()).collect();
+    if !is_circular && !all.is_empty() {
+        text.push_str(&format!("no loop leads through a dead time, which adds no poles: {}\n", few(&all)));
+    }
+    if is_circular {
         let growing = match found.growing {
             Some(0) => "none of them grows".to_owned(),
             Some(count) => format!("{count} of them grow"),
@@ -236,17 +240,23 @@ fn of_model(found: &Found) -> String {
                 format!("whether any of them grows cannot be decided{why}")
             }
         };
+        let below = match found.modes.is_empty() {
+            true => "",
+            false => "; those below are of the model with what comes out of the dead times held",
+        };
         text.push_str(&format!(
-            "with dead times, {}, there are infinitely many poles: {growing}; those below are of the model with what comes out of \
-             the dead times held\n",
-            all.join(", ")
+            "with dead times, {}, there are infinitely many poles: {growing}{below}\n",
+            few(&all)
         ));
     }
     if !found.constant.is_empty() {
         text.push_str(&format!("constant, as nothing acts on it: {}\n", few(&found.constant)));
     }
+    if found.modes.is_empty() {
+        return text;
+    }
     text.push_str(&poles(&found.modes, system.system.period.is_some()));
-    if system.dead.is_empty() {
+    if !is_circular {
         let fastest = found.modes.iter().map(|mode| mode.frequency).fold(0.0, f64::max);
         let moves = |mode: &Mode| mode.time_constant.abs().recip() > ROUNDING * fastest;
         let is_stable = found.modes.iter().all(|mode| mode.time_constant >= 0.0 && moves(mode));
