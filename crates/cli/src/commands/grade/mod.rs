@@ -271,7 +271,14 @@ fn differs(found: &Value) -> String {
             let difference = significant(difference.abs(), 3);
             format!("`{path}` by {difference}{unit} at {} s{more}", significant(time, 4))
         }
-        _ => format!("`{path}` {}{more}", first["verdict"].as_str().unwrap_or_default()),
+        _ => {
+            let what = match first["verdict"].as_str() {
+                Some("missing") => "is missing",
+                Some("other_unit") => "has a unit of another kind",
+                _ => "has nothing to compare",
+            };
+            format!("`{path}` {what}{more}")
+        }
     }
 }
 
