@@ -49,9 +49,16 @@ pub(super) fn assemble(
     for ([a, b], (names, left)) in &pairs {
         links.extend(link(*a, *b, names, *left, &mut mechanism.notes));
     }
-    links.extend(
-        ties.stated.into_iter().filter(|s| s.motion != Motion::Weld).map(|s| stated_link(s, instances)),
-    );
+    for stated in ties.stated.into_iter().filter(|stated| stated.motion != Motion::Weld) {
+        let [base, follower] = stated.between.map(|node| find(&group, node));
+        match base == follower {
+            true => mechanism.notes.push(format!(
+                "`{}` joins two instances that are held together, and is left out",
+                stated.name
+            )),
+            false => links.push(stated_link(stated, instances)),
+        }
+    }
     let framed = sorted(framed, &group, &mut mechanism.notes);
     let mut writer =
         Writer { mechanism, instances, body_of, group: &group, speaker: &speaker, framed, names: taken() };
@@ -70,12 +77,14 @@ fn join(group: &mut [usize], [a, b]: [usize; 2]) {
     group[a.max(b)] = a.min(b);
 }
 
-/// Welds what is grounded, and all of an assembly that says nothing about its parts.
+/// Welds what is grounded, and all of an assembly that is held rigid or says nothing about its parts.
 fn rigid(group: &mut [usize], instances: &Instances, flexible: &[usize]) {
     let nodes = &instances.nodes;
-    let mut held = vec![false; nodes.len()];
+    let (mut held, mut within) = (vec![false; nodes.len()], vec![false; nodes.len()]);
     for (at, node) in nodes.iter().enumerate().skip(1) {
-        if node.grounded || !flexible.contains(&node.around) {
+        // What is around comes first.
+        within[at] = within[node.around] || nodes[node.around].rigid;
+        if node.grounded || within[at] || !flexible.contains(&node.around) {
             join(group, [at, node.around]);
             held[node.around] = true;
         }

@@ -11,6 +11,8 @@ use crate::xml::Element;
 
 /// Most instances of an assembly.
 const MOST: usize = 2000;
+/// Attributes of an instance that are read.
+const KNOWN: [&str; 5] = ["name", "uid", "entityUid", "grounded", "rigid"];
 /// How far the rows of a rotation may be from orthonormal: nine printed digits.
 const ROUNDING: f64 = 1e-6;
 
@@ -26,6 +28,8 @@ pub(super) struct Node<'a> {
     pub entity: &'a str,
     /// Fixed to the assembly around it.
     pub grounded: bool,
+    /// An assembly within which nothing moves, whatever it ties.
+    pub rigid: bool,
     /// The assembly around it.
     pub around: usize,
 }
@@ -41,6 +45,7 @@ impl<'a> Instances<'a> {
     /// The instance that a `<...>` with an `<InstancePath>` names, inside of the assembly at `inside`.
     pub fn named(&self, element: Element<'a, '_>, inside: usize) -> Result<usize, Fault> {
         let path = element.need("InstancePath")?;
+        // An empty one names the assembly itself, as where something is mated with its origin.
         let own = path.all("Uid").map(|uid| uid.node.text().unwrap_or_default().trim());
         let whole: Vec<&str> = self.nodes[inside].path.iter().copied().chain(own).collect();
         self.index.get(&whole).copied().ok_or_else(|| {
@@ -50,16 +55,22 @@ impl<'a> Instances<'a> {
     }
 }
 
-pub(super) fn read<'a>(root: Element<'a, '_>, units: Units, faults: &mut Vec<Fault>) -> Instances<'a> {
+pub(super) fn read<'a>(
+    root: Element<'a, '_>,
+    units: Units,
+    notes: &mut Vec<String>,
+    faults: &mut Vec<Fault>,
+) -> Instances<'a> {
     let world = Node {
         path: Vec::new(),
         name: "world".into(),
         place: Placement::identity(),
         entity: "",
         grounded: true,
+        rigid: false,
         around: 0,
     };
-    let mut all = Instances { nodes: vec![world], index: BTreeMap::new() };
+    let mut all = Instances { nodes: vec![world], index: BTreeMap::from([(Vec::new(), 0)]) };
     // Depth is bounded by that of the file.
     let mut open: Vec<(Element, usize)> =
         root.all("InstanceTree").flat_map(|tree| tree.all("Instance")).map(|element| (element, 0)).collect();
@@ -72,6 +83,14 @@ pub(super) fn read<'a>(root: Element<'a, '_>, units: Units, faults: &mut Vec<Fau
             return all;
         }
         let Some(node) = keep(node(element, &all.nodes[around], around, units), faults) else { continue };
+        notes.extend(element.node.attributes().filter(|given| !KNOWN.contains(&given.name())).map(|given| {
+            format!(
+                "line {}: `{}` of the instance `{}` is not known and left out: if it holds something, that may come loose",
+                element.line(),
+                given.name(),
+                node.name
+            )
+        }));
         let here = all.nodes.len();
         if all.index.insert(node.path.clone(), here).is_some() {
             let fault = element.fault(
@@ -96,8 +115,20 @@ fn node<'a>(
     let name = element.called()?.to_owned();
     let path = outer.path.iter().copied().chain([element.text_of("uid")?]).collect();
     let place = outer.place * placement(element.need("Transform")?, units)?;
-    let grounded = element.attribute("grounded") == Some("true");
-    Ok(Node { path, name, place, entity: element.text_of("entityUid")?, grounded, around })
+    let [grounded, rigid] = [is(element, "grounded")?, is(element, "rigid")?];
+    Ok(Node { path, name, place, entity: element.text_of("entityUid")?, grounded, rigid, around })
+}
+
+/// Whether an attribute is true, which it is not unless given.
+fn is(element: Element, name: &str) -> Result<bool, Fault> {
+    match element.attribute(name).map(str::trim) {
+        None | Some("false" | "0") => Ok(false),
+        Some("true" | "1") => Ok(true),
+        Some(other) => {
+            let reason = format!("`{name}` is `{other}`");
+            Err(element.fault(reason, format!("write {name}=\"true\" or {name}=\"false\"")))
+        }
+    }
 }
 
 /// `<Rotation>` row by row and `<Translation>`.

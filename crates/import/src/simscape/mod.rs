@@ -72,7 +72,7 @@ pub fn read_with(file: &Path, bytes: &[u8], data: Option<DataFile>) -> Result<Me
         return Err(faults);
     };
     let mut parts = parts::read(root, own, model, &mut faults);
-    let instances = instances::read(assembly, units, &mut faults);
+    let instances = instances::read(assembly, units, &mut notes, &mut faults);
     let mut ties = Ties::default();
     ties.read(assembly, 0, &instances, units, &mut notes, &mut faults);
     let assemblies: BTreeMap<&str, Element> = root
@@ -140,7 +140,13 @@ impl Ties {
                 )),
             }
         }
-        for element in assembly.all("Joints").flat_map(|all| all.children()).take(MOST) {
+        for element in assembly.all("Joints").flat_map(|all| all.children()) {
+            if self.stated.len() >= MOST {
+                let fault =
+                    element.fault(format!("there are more than {MOST} joints"), "simplify the assembly");
+                let _ = keep::<()>(Err(fault), faults);
+                return;
+            }
             let stated = joints::read(element, at, instances, units);
             self.stated.extend(keep(stated, faults));
         }

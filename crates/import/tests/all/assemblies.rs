@@ -156,6 +156,56 @@ fn constraints_inside_of_an_assembly_make_joints_in_it() {
     );
 }
 
+/// The same, but that the assembly around them is held rigid: what it ties inside has no effect.
+#[test]
+fn nothing_moves_inside_of_an_assembly_that_is_held_rigid() {
+    let [rigid, tied] = [false, true].map(linkage);
+    let held = tied.replace("entityUid=\"coupler\"", "entityUid=\"coupler\" rigid=\"true\"");
+    assert_ne!(held, tied);
+    let [rigid, held] = [rigid, held].map(|text| read(&text));
+    assert_eq!(format!("{:?}", held.joints), format!("{:?}", rigid.joints));
+    // A joint that is stated inside is named, as it moves no more.
+    let side = |name: &str, path: &str| {
+        format!(
+            "<{name}><InstancePath>{path}</InstancePath><Transform><Rotation>1 0 0 0 1 0 0 0 1</Rotation>\
+             <Translation>0 0 0</Translation></Transform></{name}>"
+        )
+    };
+    let elbow = format!(
+        "<Joints><Revolute name=\"elbow\">{}{}</Revolute></Joints>",
+        side("BaseFrame", "<Uid>bar-1</Uid>"),
+        side("FollowerFrame", "<Uid>inner-1</Uid><Uid>plate-1</Uid>")
+    );
+    let stated = |more: &str| {
+        let text = linkage(false).replace("entityUid=\"coupler\"", &format!("entityUid=\"coupler\"{more}"));
+        read(&text.replace(
+            "<Assembly name=\"coupler\" uid=\"coupler\" version=\"1\">",
+            &format!("<Assembly name=\"coupler\" uid=\"coupler\" version=\"1\">{elbow}"),
+        ))
+    };
+    let moves = |mechanism: &Mechanism| mechanism.joints.iter().any(|joint| joint.original == "elbow");
+    assert!(moves(&stated("")) && !moves(&stated(" rigid=\"1\"")));
+    let notes = stated(" rigid=\"1\"").notes;
+    let expected = "`elbow` joins two instances that are held together, and is left out";
+    assert!(notes.iter().any(|note| note == expected), "{notes:?}");
+    // What is not known of an instance is no reason to refuse it, but is named.
+    let notes = read(&linkage(false).replacen(" grounded=", " rigidGroup=\"g\" grounded=", 1)).notes;
+    assert!(notes[0].contains("`rigidGroup` of the instance `base-1` is not known"), "{notes:?}");
+    let said = simscape::read(Path::new("l.xml"), linkage(false).replace("\"true\"", "\"yes\"").as_bytes());
+    assert!(said.unwrap_err()[0].to_string().contains("`grounded` is `yes`"));
+}
+
+/// What is mated with the origin of the assembly itself is mated with the world.
+#[test]
+fn an_empty_path_names_the_assembly_itself() {
+    let named = linkage(false);
+    let path = "<InstancePath><Uid>base-1</Uid></InstancePath>";
+    let [of_base, of_itself] =
+        [&named, &named.replace(path, "<InstancePath></InstancePath>")].map(|text| read(text));
+    assert!(named.contains(path));
+    assert_eq!(format!("{:?}", of_itself.joints), format!("{:?}", of_base.joints));
+}
+
 #[test]
 fn a_path_to_a_part_that_is_not_in_the_assembly_is_refused_with_its_line() {
     let wrong = linkage(false).replace("<Uid>coupler-1</Uid><Uid>bar-1</Uid>", "<Uid>bar-1</Uid>");
