@@ -111,7 +111,10 @@ impl Pid {
         // Positive where the integral winds up: beyond a limit, with an error that leads further. Far from the limits the
         // error may flicker in rounding.
         let winds = match law.anti_windup {
-            AntiWindup::Clamping => upper.min(e).max((-lower).min(-e)),
+            AntiWindup::Clamping => {
+                let drive = if law.per_integral() * law.ki < 0.0 { -e } else { e };
+                upper.min(drive).max((-lower).min(-drive))
+            }
             _ => l.constant(-1.0),
         };
         l.guard(3 * i + 2, winds);
@@ -148,9 +151,9 @@ impl Block for Pid {
                     .kink("lower")
                     .detail(detail())
                     .called("leaves the lower limit", "reaches the lower limit")
-                    .guard("e")
+                    .guard("integral")
                     .detail(detail())
-                    .called("sees its error turn positive", "sees its error turn negative");
+                    .called("holds its integral at a limit", "lets its integral go on");
             }
         }
         let phrase = if self.reset == Reset::Level { "is held or released" } else { "is reset" };

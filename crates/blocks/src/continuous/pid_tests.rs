@@ -103,6 +103,11 @@ fn clamping_knows_the_sign_of_the_gains() {
         Bench::new(block(PidLaw { kp: -2.0, form: Form::Ideal, ..limited(AntiWindup::Clamping) }));
     bench.set(0, &[-1.0]).major();
     assert_eq!((bench.minor()[0], bench.derivatives()[0]), (1.0, 0.0));
+    assert_eq!(bench.guards()[2], 1.0);
+    bench.x[0] = -4.0;
+    bench.set(0, &[0.25]).major();
+    assert!(bench.guards()[0] > 6.0);
+    assert_eq!(bench.guards()[2], -0.25);
 }
 
 #[test]

@@ -21,6 +21,10 @@ impl<M: Meaning> Parser<'_, M> {
                 let error = ExprError::new(self.span(), format!("expected an operator before `{written}`"));
                 error.help(format!("a unit stands behind a number or a parenthesis, as in (x) {word}"))
             }
+            Token::Word(word) if functions::exists(word) => {
+                let error = ExprError::new(self.span(), format!("expected an operator before `{written}`"));
+                error.help(format!("`{word}` is a function, which stands before its values: {word}(...)"))
+            }
             Token::Number(_) | Token::Word(_) => {
                 let error = ExprError::new(self.span(), format!("expected an operator before `{written}`"));
                 error.help(format!("write what is to be done with both, as in ... * {written}"))

@@ -322,6 +322,12 @@ fn mistakes_of_form_are_shown_where_they_are() {
         ("1 2", 2..3, "expected an operator before `2`", "write what is to be done with both, as in ... * 2"),
         ("x y", 2..3, "expected an operator before `y`", "write what is to be done with both, as in ... * y"),
         (
+            "x max y",
+            2..5,
+            "expected an operator before `max`",
+            "`max` is a function, which stands before its values: max(...)",
+        ),
+        (
             "r mm",
             2..4,
             "expected an operator before `mm`",
