@@ -33,7 +33,7 @@ pub(super) fn assemble(
     framed: Vec<Framed>,
 ) {
     let mut group: Vec<usize> = (0..instances.nodes.len()).collect();
-    rigid(&mut group, instances, &ties.flexible);
+    rigid(&mut group, instances, &ties);
     for stated in ties.stated.iter().filter(|stated| stated.motion == Motion::Weld) {
         join(&mut group, stated.between);
     }
@@ -78,18 +78,29 @@ fn join(group: &mut [usize], [a, b]: [usize; 2]) {
 }
 
 /// Welds what is grounded, and all of an assembly that is held rigid or says nothing about its parts.
-fn rigid(group: &mut [usize], instances: &Instances, flexible: &[usize]) {
+fn rigid(group: &mut [usize], instances: &Instances, ties: &Ties) {
     let nodes = &instances.nodes;
     let (mut held, mut within) = (vec![false; nodes.len()], vec![false; nodes.len()]);
     for (at, node) in nodes.iter().enumerate().skip(1) {
         // What is around comes first.
         within[at] = within[node.around] || nodes[node.around].rigid;
-        if node.grounded || within[at] || !flexible.contains(&node.around) {
+        if node.grounded || within[at] || !ties.flexible.contains(&node.around) {
             join(group, [at, node.around]);
             held[node.around] = true;
         }
     }
-    // A flexible assembly within another one hangs on its first part if none is grounded.
+    // What ties a part to the origin of the assembly around it holds that assembly.
+    let both = ties.constraints.iter().map(|constraint| constraint.between);
+    for between in both.chain(ties.stated.iter().map(|stated| stated.between)) {
+        for [inner, outer] in [between, [between[1], between[0]]] {
+            let mut around = nodes[inner].around;
+            while around != 0 && around != outer {
+                around = nodes[around].around;
+            }
+            held[outer] |= inner != 0 && around == outer;
+        }
+    }
+    // A flexible assembly within another one hangs on its first part if nothing else holds it.
     for (at, node) in nodes.iter().enumerate().skip(1) {
         if node.around != 0 && !held[node.around] {
             join(group, [at, node.around]);
@@ -242,6 +253,11 @@ impl Writer<'_, '_> {
         let (Some((base, base_place)), Some((Some(follower), follower_place))) =
             (self.seat(link.between[a]), self.seat(link.between[b]))
         else {
+            let [one, other] = link.between.map(|node| &*self.instances.nodes[node].name);
+            self.mechanism.notes.push(format!(
+                "the joint between `{one}` and `{other}` is left out, as no part stands on one side of it: what it holds may \
+                 come loose"
+            ));
             return there;
         };
         let base_name = base.map_or("world", |base| &self.mechanism.bodies[base].name);

@@ -206,6 +206,66 @@ fn an_empty_path_names_the_assembly_itself() {
     assert_eq!(format!("{:?}", of_itself.joints), format!("{:?}", of_base.joints));
 }
 
+/// A hinge between the origin of an assembly and its first part; the assembly is welded to the base, or tied to nothing.
+#[test]
+fn a_part_may_be_hinged_to_the_origin_of_the_assembly_around_it() {
+    let side = |name: &str, path: &str| {
+        format!(
+            "<{name}><InstancePath>{path}</InstancePath><Transform><Rotation>1 0 0 0 1 0 0 0 1</Rotation>\
+             <Translation>0 0 0</Translation></Transform></{name}>"
+        )
+    };
+    let joint = |kind: &str, name: &str, base: &str, follower: &str| {
+        format!(
+            "<{kind} name=\"{name}\">{}{}</{kind}>",
+            side("BaseFrame", base),
+            side("FollowerFrame", follower)
+        )
+    };
+    let parts = [
+        instance("arm-1", "arm", [0.0; 3], false, ""),
+        instance("bob-1", "arm", [500.0, 0.0, 0.0], false, ""),
+    ];
+    let instances = [
+        instance("base-1", "base", [0.0; 3], false, ""),
+        instance("unit-1", "unit", [100.0, 0.0, 0.0], false, &parts.concat()),
+    ]
+    .concat();
+    let text = |tie: &str| {
+        format!(
+            "<SimscapeMultibodyImportXML version=\"2.0\"><ModelUnits mass=\"gram\" length=\"millimeter\"/>\
+             <RootAssembly name=\"l\" uid=\"l\" version=\"1\"><InstanceTree>{instances}</InstanceTree><Joints>{tie}</Joints></RootAssembly>\
+             <Assemblies><Assembly name=\"unit\" uid=\"unit\" version=\"1\"><Joints>{}{}</Joints></Assembly></Assemblies><Parts>{}</Parts>\
+             </SimscapeMultibodyImportXML>",
+            joint("Revolute", "hinge", "", "<Uid>arm-1</Uid>"),
+            joint("Revolute", "elbow", "<Uid>arm-1</Uid>", "<Uid>bob-1</Uid>"),
+            ["base", "arm"]
+                .map(|name| format!(
+                    "<Part name=\"{name}\" uid=\"{name}\" version=\"1\"><MassProperties><Mass>1000</Mass>\
+                     <CenterOfMass>0 0 0</CenterOfMass><Inertia>1e6 1e6 1e6 0 0 0</Inertia></MassProperties></Part>"
+                ))
+                .concat(),
+        )
+    };
+    let held = read(&text(&joint("Weld", "w", "<Uid>base-1</Uid>", "<Uid>unit-1</Uid>")));
+    let found: Vec<(&str, Option<usize>, f64)> = held
+        .joints
+        .iter()
+        .filter(|joint| joint.motion != Motion::Weld)
+        .map(|joint| (&*joint.original, joint.base, joint.in_base.translation.x))
+        .collect();
+    let arm = held.bodies.iter().position(|body| body.name.starts_with("arm"));
+    assert_eq!(found, [("hinge", None, 0.1), ("elbow", arm, 0.0)]);
+    assert!(held.notes.is_empty(), "{:?}", held.notes);
+    let loose = read(&text(""));
+    let expected = "the joint between `unit-1` and `arm-1` is left out, as no part stands on one side of it";
+    assert!(loose.notes.iter().any(|note| note.starts_with(expected)), "{:?}", loose.notes);
+    // Where its part is held from outside, the hinge to the origin holds nothing.
+    let outer =
+        read(&text(&joint("Revolute", "swing", "<Uid>base-1</Uid>", "<Uid>unit-1</Uid><Uid>arm-1</Uid>")));
+    assert!(outer.joints.iter().any(|joint| joint.original == "swing" && joint.base.is_none()));
+}
+
 #[test]
 fn a_path_to_a_part_that_is_not_in_the_assembly_is_refused_with_its_line() {
     let wrong = linkage(false).replace("<Uid>coupler-1</Uid><Uid>bar-1</Uid>", "<Uid>bar-1</Uid>");
