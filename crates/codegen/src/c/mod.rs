@@ -10,7 +10,7 @@ use body::{Needs, Place, Requirements, helper};
 use layout::{Layout, comment};
 use names::identifier;
 
-use blocksim_signal::{Kind, Shape};
+use blocksim_signal::{Dimension, Kind, Shape};
 
 use crate::part::Selected;
 use crate::programs::{Due, Programs};
@@ -433,7 +433,8 @@ impl Writer<'_> {
              || (isnan(got[i]) && isnan(outputs[k][i]));\n"
         };
         let largest = if layout.is_single() {
-            format!("    double largest[{width}] = {{0.0}};\n")
+            let least: Vec<String> = self.least_sizes(record).into_iter().map(double).collect();
+            format!("    double largest[{width}] = {{{}}};\n", least.join(", "))
         } else {
             String::new()
         };
@@ -457,6 +458,33 @@ impl Writer<'_> {
         text
     }
 
+    /// Sizes that the elements of the outputs count as at least in single precision: a thousandth of the largest number of the same
+    /// dimension that comes in or out, so that what is a difference of such numbers and nearly zero may have their rounding.
+    fn least_sizes(&self, record: &Record) -> Vec<f64> {
+        let part = self.selected().part;
+        let mut largest: Vec<(Option<Dimension>, f64)> = Vec::new();
+        for (ports, rows) in [(&part.inputs, &record.inputs), (&part.outputs, &record.outputs)] {
+            let mut at = 0;
+            for port in ports {
+                let cells = at..at + port.shape.len();
+                at = cells.end;
+                let values = rows.iter().filter_map(|row| row.get(cells.clone())).flatten();
+                let size = values
+                    .filter(|value| value.is_finite())
+                    .fold(0.0_f64, |most, value| most.max(value.abs()));
+                match largest.iter_mut().find(|(dimension, _)| *dimension == port.dimension) {
+                    Some((_, most)) => *most = most.max(size),
+                    None => largest.push((port.dimension, size)),
+                }
+            }
+        }
+        let least = |port: &Port| {
+            let same = largest.iter().find(|(dimension, _)| *dimension == port.dimension);
+            std::iter::repeat_n(1e-3 * same.map_or(0.0, |(_, size)| *size), port.shape.len())
+        };
+        part.outputs.iter().flat_map(least).collect()
+    }
+
     fn readme(&self, record: &Record) -> String {
         let Self { name, .. } = self;
         let method = match self.selected().target.method {
@@ -473,7 +501,7 @@ impl Writer<'_> {
             self.needs.functions.iter().map(|function| format!("`{function}`")).collect();
         let accuracy = if self.layout.is_single() {
             "The code is in single precision and follows the simulation, which is in double precision, to about a thousandth of the \
-             size of each output."
+             size of each output. Where a condition stands at its edge, both may decide it differently."
                 .to_owned()
         } else if functions.is_empty() {
             "The test expects the same bits as the simulation in every output.".to_owned()

@@ -191,6 +191,24 @@ fn single_precision_follows() {
     agrees(&around(), PID, &Target { float: true, ..every(1e-3) });
 }
 
+/// What is zero but for rounding, as a difference of two numbers that are not, has the rounding of single precision.
+#[test]
+fn single_precision_leaves_its_rounding_where_numbers_cancel() {
+    let control = r#"Diagram(
+    inputs: { "set": (), "actual": () },
+    outputs: { "u": "out.y", "nearly": "less.y" },
+    blocks: {
+        "a": Gain(k: 0.1), "b": Gain(k: 0.2), "c": Gain(k: 0.3), "part": Sum(signs: "++"), "less": Sum(signs: "+-"),
+        "out": Sum(signs: "++"),
+    },
+    connections: [
+        "in.set -> a.u, b.u, c.u, out.u1", "a.y -> part.u1", "b.y -> part.u2", "part.y -> less.u1", "c.y -> less.u2",
+        "in.actual -> out.u2",
+    ],
+)"#;
+    agrees(&around(), control, &Target { float: true, ..every(1e-3) });
+}
+
 #[test]
 fn a_test_that_holds_nothing_would_be_noticed() {
     let mut made = Loop::new(&around(), PID)
