@@ -77,11 +77,15 @@ fn join(group: &mut [usize], [a, b]: [usize; 2]) {
     group[a.max(b)] = a.min(b);
 }
 
-/// Welds what is grounded, and all of an assembly that is held rigid or says nothing about its parts.
+/// Welds what is grounded or in one rigid group, and all of an assembly that is held rigid or says nothing about its parts.
 fn rigid(group: &mut [usize], instances: &Instances, ties: &Ties) {
     let nodes = &instances.nodes;
     let (mut held, mut within) = (vec![false; nodes.len()], vec![false; nodes.len()]);
+    let mut first_of: BTreeMap<(usize, &str), usize> = BTreeMap::new();
     for (at, node) in nodes.iter().enumerate().skip(1) {
+        if let Some(name) = node.rigid_group {
+            join(group, [at, *first_of.entry((node.around, name)).or_insert(at)]);
+        }
         // What is around comes first.
         within[at] = within[node.around] || nodes[node.around].rigid;
         if node.grounded || within[at] || !ties.flexible.contains(&node.around) {

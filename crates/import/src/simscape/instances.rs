@@ -12,7 +12,7 @@ use crate::xml::Element;
 /// Most instances of an assembly.
 const MOST: usize = 2000;
 /// Attributes of an instance that are read.
-const KNOWN: [&str; 5] = ["name", "uid", "entityUid", "grounded", "rigid"];
+const KNOWN: [&str; 6] = ["name", "uid", "entityUid", "grounded", "rigid", "rigidGroup"];
 /// How far the rows of a rotation may be from orthonormal: nine printed digits.
 const ROUNDING: f64 = 1e-6;
 
@@ -30,6 +30,8 @@ pub(super) struct Node<'a> {
     pub grounded: bool,
     /// An assembly within which nothing moves, whatever it ties.
     pub rigid: bool,
+    /// Instances of an assembly of which this is the same do not move against each other.
+    pub rigid_group: Option<&'a str>,
     /// The assembly around it.
     pub around: usize,
 }
@@ -68,6 +70,7 @@ pub(super) fn read<'a>(
         entity: "",
         grounded: true,
         rigid: false,
+        rigid_group: None,
         around: 0,
     };
     let mut all = Instances { nodes: vec![world], index: BTreeMap::from([(Vec::new(), 0)]) };
@@ -116,7 +119,17 @@ fn node<'a>(
     let path = outer.path.iter().copied().chain([element.text_of("uid")?]).collect();
     let place = outer.place * placement(element.need("Transform")?, units)?;
     let [grounded, rigid] = [is(element, "grounded")?, is(element, "rigid")?];
-    Ok(Node { path, name, place, entity: element.text_of("entityUid")?, grounded, rigid, around })
+    let rigid_group = element.attribute("rigidGroup").filter(|group| !group.trim().is_empty());
+    Ok(Node {
+        path,
+        name,
+        place,
+        entity: element.text_of("entityUid")?,
+        grounded,
+        rigid,
+        rigid_group,
+        around,
+    })
 }
 
 /// Whether an attribute is true, which it is not unless given.

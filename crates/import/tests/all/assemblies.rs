@@ -189,10 +189,27 @@ fn nothing_moves_inside_of_an_assembly_that_is_held_rigid() {
     let expected = "`elbow` joins two instances that are held together, and is left out";
     assert!(notes.iter().any(|note| note == expected), "{notes:?}");
     // What is not known of an instance is no reason to refuse it, but is named.
-    let notes = read(&linkage(false).replacen(" grounded=", " rigidGroup=\"g\" grounded=", 1)).notes;
-    assert!(notes[0].contains("`rigidGroup` of the instance `base-1` is not known"), "{notes:?}");
+    let notes = read(&linkage(false).replacen(" grounded=", " held=\"g\" grounded=", 1)).notes;
+    assert!(notes[0].contains("`held` of the instance `base-1` is not known"), "{notes:?}");
     let said = simscape::read(Path::new("l.xml"), linkage(false).replace("\"true\"", "\"yes\"").as_bytes());
     assert!(said.unwrap_err()[0].to_string().contains("`grounded` is `yes`"));
+}
+
+/// A crank in one group with the base is fixed, and the coupler with it turns against the rocker alone.
+#[test]
+fn instances_of_a_rigid_group_do_not_move_against_each_other() {
+    let text = |group: &str| {
+        ["base", "crank"].iter().fold(linkage(false), |text, part| {
+            text.replace(
+                &format!("entityUid=\"{part}\""),
+                &format!("entityUid=\"{part}\" rigidGroup=\"{}\"", if *part == "base" { "g" } else { group }),
+            )
+        })
+    };
+    let turning = |text: &str| {
+        read(text).joints.iter().filter(|joint| matches!(joint.motion, Motion::Revolute { .. })).count()
+    };
+    assert_eq!([turning(&linkage(false)), turning(&text("other")), turning(&text("g"))], [4, 4, 3]);
 }
 
 /// What is mated with the origin of the assembly itself is mated with the world.
