@@ -14,8 +14,8 @@ pub(super) struct Requirements(pub Vec<String>);
 /// What the code needs beside itself.
 #[derive(Debug, Default)]
 pub(super) struct Needs {
-    /// Functions of this file: `clamp` ...
-    pub helpers: BTreeSet<&'static str>,
+    /// Functions of this file: `clamp` ..., and whether they are those that stay in double precision.
+    pub helpers: BTreeSet<(&'static str, bool)>,
     /// Functions of the mathematical library whose last digit is up to that.
     pub functions: BTreeSet<String>,
     /// Whether the header of the mathematical library is included.
@@ -54,7 +54,9 @@ impl Place<'_> {
             }
         }
         let mut text = String::new();
-        let mut values = Values { place: self, ops: &ops, names: BTreeMap::new(), needs };
+        let is_single = self.layout.is_single();
+        let wide = if is_single { self.layout.wide.values(draft) } else { vec![false; ops.len()] };
+        let mut values = Values { place: self, ops: &ops, wide: &wide, names: BTreeMap::new(), needs };
         // What is overwritten behind it is taken out of the way.
         let overwritten: BTreeSet<u32> = wanted
             .iter()
@@ -84,8 +86,11 @@ impl Place<'_> {
                     writeln!(text, "{}if (!{holds} && status == 0) {{ status = {number}; }}", self.indent);
                 continue;
             }
-            let (kind, expression) =
-                if is_copied { (self.layout.real, values.leaf(ops[at])) } else { values.expression(ops[at]) };
+            let (kind, expression) = if is_copied {
+                (self.layout.kind(wide[at]), values.leaf(ops[at], wide[at]))
+            } else {
+                values.expression(id)
+            };
             let name = format!("v{next}");
             next += 1;
             let _ = writeln!(text, "{}const {kind} {name} = {expression};", self.indent);
@@ -93,13 +98,18 @@ impl Place<'_> {
         }
         let mut places = anywhere.iter();
         for root in wanted {
-            let (to, id) = match *root {
-                Root::Cell(id, cell) => (self.layout.signal(cell as usize), id),
-                Root::Held(id, number) => (self.layout.memory(number as usize), id),
-                Root::Anywhere(id) => (places.next().cloned().unwrap_or_default(), id),
+            let (kept, stored) = (&self.layout.wide, |is_wide: bool| is_single && is_wide);
+            let (to, id, is_wide) = match *root {
+                Root::Cell(id, cell) => {
+                    (self.layout.signal(cell as usize), id, stored(kept.cells.contains(&cell)))
+                }
+                Root::Held(id, number) => {
+                    (self.layout.memory(number as usize), id, stored(kept.memories.contains(&number)))
+                }
+                Root::Anywhere(id) => (places.next().cloned().unwrap_or_default(), id, false),
                 Root::Met(_) => continue,
             };
-            let value = values.number(id);
+            let value = values.number(id, is_wide);
             let _ = writeln!(text, "{}{to} = {};", self.indent, bare(&value));
         }
         text
@@ -131,6 +141,8 @@ fn bare(text: &str) -> &str {
 struct Values<'v> {
     place: &'v Place<'v>,
     ops: &'v [Op],
+    /// What stays in double precision where the code is in single precision.
+    wide: &'v [bool],
     names: BTreeMap<u32, String>,
     needs: &'v mut Needs,
 }
@@ -140,13 +152,13 @@ impl Values<'_> {
         self.place.layout
     }
 
-    /// A value from outside.
-    fn leaf(&mut self, op: Op) -> String {
+    /// A value from outside; a constant as it is among those that stay in double precision, or among the others.
+    fn leaf(&mut self, op: Op, is_wide: bool) -> String {
         match op {
             Op::Constant(bits) => {
                 let value = f64::from_bits(bits);
                 self.needs.math |= !value.is_finite();
-                self.layout().literal(value)
+                self.layout().literal_of(value, self.layout().kind(is_wide))
             }
             Op::Time => {
                 self.needs.time = true;
@@ -163,69 +175,83 @@ impl Values<'_> {
         matches!(self.ops[id.0 as usize], Op::Compare(..) | Op::Not(_) | Op::And(..) | Op::Or(..))
     }
 
-    fn raw(&mut self, id: Id) -> String {
+    fn raw(&mut self, id: Id, is_wide: bool) -> String {
         match self.names.get(&id.0) {
             Some(name) => name.clone(),
-            None => self.leaf(self.ops[id.0 as usize]),
+            None => self.leaf(self.ops[id.0 as usize], is_wide),
         }
     }
 
-    /// A value as a number.
-    fn number(&mut self, id: Id) -> String {
-        let raw = self.raw(id);
-        if self.is_truth(id) { format!("({}){raw}", self.layout().real) } else { raw }
+    /// A value as a number that stays in double precision, or does not.
+    fn number(&mut self, id: Id, is_wide: bool) -> String {
+        let raw = self.raw(id, is_wide);
+        let is_constant = matches!(self.ops[id.0 as usize], Op::Constant(_));
+        match self.is_truth(id) || (self.wide[id.0 as usize] != is_wide && !is_constant) {
+            true => format!("({}){raw}", self.layout().kind(is_wide)),
+            false => raw,
+        }
     }
 
     /// A value as a condition.
     fn truth(&mut self, id: Id) -> String {
-        let raw = self.raw(id);
+        let raw = self.raw(id, false);
         if self.is_truth(id) { raw } else { format!("({raw} != {})", self.layout().literal(0.0)) }
     }
 
-    fn call(&mut self, name: &str, is_exact: bool) -> String {
+    fn call(&mut self, name: &str, is_exact: bool, is_wide: bool) -> String {
         self.needs.math = true;
-        let name = if self.layout().is_single() { format!("{name}f") } else { name.to_owned() };
+        let is_single = self.layout().kind(is_wide) == "float";
+        let name = if is_single { format!("{name}f") } else { name.to_owned() };
         if !is_exact {
             self.needs.functions.insert(name.clone());
         }
         name
     }
 
-    fn helper(&mut self, name: &'static str) -> &'static str {
-        self.needs.helpers.insert(name);
-        name
+    fn helper(&mut self, name: &'static str, is_wide: bool) -> String {
+        self.needs.helpers.insert((name, is_wide));
+        helper_name(name, is_wide)
     }
 
-    /// Type and text of an operation.
-    fn expression(&mut self, op: Op) -> (&'static str, String) {
-        let real = self.layout().real;
+    /// Type and text of an operation, which has double precision where an operand does.
+    fn expression(&mut self, id: Id) -> (&'static str, String) {
+        let op = self.ops[id.0 as usize];
+        let inside = match op {
+            Op::Select(_, a, b) => self.wide[a.0 as usize] || self.wide[b.0 as usize],
+            _ => op.operands().any(|id| self.wide[id.0 as usize]),
+        };
+        let stays = self.wide[id.0 as usize];
         let text = match op {
-            Op::Neg(a) => format!("-{}", self.number(a)),
-            Op::Add(a, b) => format!("{} + {}", self.number(a), self.number(b)),
-            Op::Sub(a, b) => format!("{} - {}", self.number(a), self.number(b)),
-            Op::Mul(a, b) => format!("{} * {}", self.number(a), self.number(b)),
-            Op::Div(a, b) => format!("{} / {}", self.number(a), self.number(b)),
-            Op::Power(a, n) => format!("{}({}, {n})", self.helper("power"), bare(&self.number(a))),
-            Op::Unary(Unary::Sign, a) => format!("{}({})", self.helper("sign"), bare(&self.number(a))),
+            Op::Neg(a) => format!("-{}", self.number(a, inside)),
+            Op::Add(a, b) => format!("{} + {}", self.number(a, inside), self.number(b, inside)),
+            Op::Sub(a, b) => format!("{} - {}", self.number(a, inside), self.number(b, inside)),
+            Op::Mul(a, b) => format!("{} * {}", self.number(a, inside), self.number(b, inside)),
+            Op::Div(a, b) => format!("{} / {}", self.number(a, inside), self.number(b, inside)),
+            Op::Power(a, n) => {
+                format!("{}({}, {n})", self.helper("power", inside), bare(&self.number(a, inside)))
+            }
+            Op::Unary(Unary::Sign, a) => {
+                format!("{}({})", self.helper("sign", inside), bare(&self.number(a, inside)))
+            }
             Op::Unary(function, a) => {
                 let (name, is_exact) = function_name(function);
-                let name = self.call(name, is_exact);
-                format!("{name}({})", bare(&self.number(a)))
+                let name = self.call(name, is_exact, inside);
+                format!("{name}({})", bare(&self.number(a, inside)))
             }
             Op::Binary(function, a, b) => {
                 let name = match function {
-                    Binary::Min => self.helper("minimum").to_owned(),
-                    Binary::Max => self.helper("maximum").to_owned(),
-                    Binary::Pow => self.call("pow", false),
-                    Binary::Hypot => self.call("hypot", false),
-                    Binary::Atan2 => self.call("atan2", false),
+                    Binary::Min => self.helper("minimum", inside),
+                    Binary::Max => self.helper("maximum", inside),
+                    Binary::Pow => self.call("pow", false, inside),
+                    Binary::Hypot => self.call("hypot", false, inside),
+                    Binary::Atan2 => self.call("atan2", false, inside),
                 };
-                let (a, b) = (self.number(a), self.number(b));
+                let (a, b) = (self.number(a, inside), self.number(b, inside));
                 format!("{name}({}, {})", bare(&a), bare(&b))
             }
             Op::Clamp(a, lower, upper) => {
-                let name = self.helper("clamp");
-                let [a, lower, upper] = [a, lower, upper].map(|id| self.number(id));
+                let name = self.helper("clamp", inside);
+                let [a, lower, upper] = [a, lower, upper].map(|id| self.number(id, inside));
                 format!("{name}({}, {}, {})", bare(&a), bare(&lower), bare(&upper))
             }
             Op::Compare(relation, a, b) => {
@@ -237,18 +263,19 @@ impl Values<'_> {
                     Relation::Equal => "==",
                     Relation::NotEqual => "!=",
                 };
-                return ("bool", format!("{} {sign} {}", self.number(a), self.number(b)));
+                return ("bool", format!("{} {sign} {}", self.number(a, inside), self.number(b, inside)));
             }
             Op::Not(a) => return ("bool", format!("!{}", self.truth(a))),
             Op::And(a, b) => return ("bool", format!("{} && {}", self.truth(a), self.truth(b))),
             Op::Or(a, b) => return ("bool", format!("{} || {}", self.truth(a), self.truth(b))),
             Op::Select(condition, a, b) => {
                 let condition = self.truth(condition);
-                format!("{condition} ? {} : {}", self.number(a), self.number(b))
+                format!("{condition} ? {} : {}", self.number(a, inside), self.number(b, inside))
             }
-            leaf => self.leaf(leaf),
+            leaf => self.leaf(leaf, stays),
         };
-        (real, text)
+        let kind = self.layout().kind(stays);
+        (kind, if inside == stays { text } else { format!("({kind})({text})") })
     }
 }
 
@@ -276,30 +303,37 @@ fn function_name(function: Unary) -> (&'static str, bool) {
     }
 }
 
-/// The text of the functions of this file, in single or double precision.
-pub(super) fn helper(name: &str, real: &str, literal: &dyn Fn(f64) -> String) -> String {
-    let (zero, one) = (literal(0.0), literal(1.0));
+/// The name of a function of this file, or of the one beside it that stays in double precision.
+fn helper_name(name: &str, is_wide: bool) -> String {
+    if is_wide { format!("{name}_wide") } else { name.to_owned() }
+}
+
+/// The text of a function of this file, or of the one beside it that stays in double precision.
+pub(super) fn helper(name: &str, is_wide: bool, layout: &Layout) -> String {
+    let real = layout.kind(is_wide);
+    let [zero, one] = [0.0, 1.0].map(|value| layout.literal_of(value, real));
+    let called = helper_name(name, is_wide);
     match name {
         "clamp" => format!(
             "/* What is not a number stays so. */\n\
-             static {real} clamp({real} u, {real} lower, {real} upper)\n{{\n    \
+             static {real} {called}({real} u, {real} lower, {real} upper)\n{{\n    \
              return u > upper ? upper : (u < lower ? lower : u);\n}}\n"
         ),
         "sign" => format!(
-            "static {real} sign({real} u)\n{{\n    \
+            "static {real} {called}({real} u)\n{{\n    \
              return u > {zero} ? {one} : (u < {zero} ? -{one} : u);\n}}\n"
         ),
         "minimum" => format!(
             "/* Not a number if one of both is not. */\n\
-             static {real} minimum({real} a, {real} b)\n{{\n    return (b < a || b != b) ? b : a;\n}}\n"
+             static {real} {called}({real} a, {real} b)\n{{\n    return (b < a || b != b) ? b : a;\n}}\n"
         ),
         "maximum" => format!(
             "/* Not a number if one of both is not. */\n\
-             static {real} maximum({real} a, {real} b)\n{{\n    return (b > a || b != b) ? b : a;\n}}\n"
+             static {real} {called}({real} a, {real} b)\n{{\n    return (b > a || b != b) ? b : a;\n}}\n"
         ),
         _ => format!(
             "/* By repeated squaring. */\n\
-             static {real} power({real} base, int n)\n{{\n    \
+             static {real} {called}({real} base, int n)\n{{\n    \
              unsigned int left = n < 0 ? 0u - (unsigned int)n : (unsigned int)n;\n    \
              {real} square = base;\n    {real} product = {one};\n    \
              while (left > 0u) {{\n        \

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::wide::Wide;
 use blocksim_block::law::Op;
 use blocksim_signal::{Dimension, Kind, Shape};
 
@@ -26,6 +27,8 @@ pub(super) struct Layout<'l> {
     pub memories: BTreeMap<usize, String>,
     /// Fields of signals that one program writes and another reads, or that go out, by their cells.
     pub signals: BTreeMap<usize, String>,
+    /// What stays in double precision in code of single precision.
+    pub wide: Wide,
     /// Counters of steps, by rates of the diagram; those that are hit at each step have none.
     pub counters: BTreeMap<usize, String>,
 }
@@ -58,6 +61,7 @@ impl<'l> Layout<'l> {
             states: programs.derivatives.iter().flat_map(|(_, states)| states.clone()).collect(),
             memories: BTreeMap::new(),
             signals: BTreeMap::new(),
+            wide: if selected.target.float { Wide::new(programs) } else { Wide::default() },
             counters,
         };
         let (mut memories, mut cells) = (Vec::new(), Vec::new());
@@ -129,10 +133,30 @@ impl<'l> Layout<'l> {
         self.real == "float"
     }
 
+    /// The type of a discrete state.
+    pub fn memory_type(&self, number: usize) -> &'static str {
+        self.kind(self.wide.memories.contains(&(number as u32)))
+    }
+
+    /// The type of a signal that is a field.
+    pub fn signal_type(&self, cell: usize) -> &'static str {
+        self.kind(self.wide.cells.contains(&(cell as u32)))
+    }
+
+    /// The type of a number that stays in double precision, or does not.
+    pub fn kind(&self, is_wide: bool) -> &'static str {
+        if is_wide { "double" } else { self.real }
+    }
+
     /// A number with all its digits.
     pub fn literal(&self, value: f64) -> String {
+        self.literal_of(value, self.real)
+    }
+
+    /// A number with all the digits that its type has.
+    pub fn literal_of(&self, value: f64, kind: &str) -> String {
         let single = value as f32;
-        let (is_finite, text) = match self.is_single() {
+        let (is_finite, text) = match kind == "float" {
             true => (single.is_finite(), format!("{single:?}f")),
             false => (value.is_finite(), format!("{value:?}")),
         };

@@ -3,6 +3,7 @@
 mod body;
 mod layout;
 mod names;
+mod wide;
 
 use std::fmt::Write;
 
@@ -117,7 +118,7 @@ impl Writer<'_> {
             let _ = writeln!(
                 text,
                 "    {} {field}; /* {} */",
-                layout.real,
+                layout.memory_type(*number),
                 comment(&layout.memory_path(*number))
             );
         }
@@ -125,7 +126,7 @@ impl Writer<'_> {
             let _ = writeln!(
                 text,
                 "    {} {field}; /* signal {} */",
-                layout.real,
+                layout.signal_type(*cell),
                 comment(&layout.signal_path(*cell))
             );
         }
@@ -160,9 +161,9 @@ impl Writer<'_> {
         if self.needs.math {
             text += "\n#include <math.h>\n";
         }
-        for helper_name in &self.needs.helpers {
+        for (name, is_wide) in &self.needs.helpers {
             text.push('\n');
-            text += &helper(helper_name, self.layout.real, &|value| self.layout.literal(value));
+            text += &helper(name, *is_wide, &self.layout);
         }
         for function in [init, derivatives, step].iter().filter(|function| !function.is_empty()) {
             text.push('\n');
@@ -182,11 +183,13 @@ impl Writer<'_> {
             let _ = writeln!(text, "    self->x[{i}] = {};", layout.literal(layout.start.x[*state]));
         }
         for (number, field) in &layout.memories {
-            let _ = writeln!(text, "    self->{field} = {};", layout.literal(layout.start.d[*number]));
+            let initial = layout.literal_of(layout.start.d[*number], layout.memory_type(*number));
+            let _ = writeln!(text, "    self->{field} = {initial};");
         }
         for (cell, field) in &layout.signals {
             let initial = self.selected().schedule.initial_signals[*cell];
-            let _ = writeln!(text, "    self->{field} = {};", layout.literal(initial));
+            let initial = layout.literal_of(initial, layout.signal_type(*cell));
+            let _ = writeln!(text, "    self->{field} = {initial};");
         }
         text += "}\n";
         text
@@ -209,7 +212,7 @@ impl Writer<'_> {
         if has_inputs {
             let _ = write!(text, "const {name}_Inputs *in, ");
         }
-        let _ = writeln!(text, "{real} t, const {real} *x, {real} *dx)\n{{\n    int status = 0;");
+        let _ = writeln!(text, "double t, const {real} *x, {real} *dx)\n{{\n    int status = 0;");
         // What this law happens not to read is a parameter all the same.
         let unread = [
             (!reads("self->"), "self"),
@@ -245,7 +248,6 @@ impl Writer<'_> {
             text += "    }\n";
         }
         text += &self.output_assignments();
-        let single = self.layout.is_single();
         if !self.layout.states.is_empty() {
             text += &self.integration();
         }
@@ -260,8 +262,7 @@ impl Writer<'_> {
         text += "    self->step += 1u;\n    return status;\n}\n";
         let mut before = String::new();
         if self.needs.time || !self.layout.states.is_empty() {
-            let time = cast(self.time("self->step"), single);
-            let _ = writeln!(before, "    const {} t = {time};", self.layout.real);
+            let _ = writeln!(before, "    const double t = {};", self.time("self->step"));
         }
         if self.has_inputs() && !text.contains("in->") && self.layout.states.is_empty() {
             before += "    (void)in;\n";
@@ -290,6 +291,9 @@ impl Writer<'_> {
                 let at = index(port, element);
                 let value = layout.read(cell);
                 let value = match port.kind {
+                    _ if layout.is_single() && layout.signal_type(cell) == "double" => {
+                        format!("({}){value}", layout.real)
+                    }
                     Kind::Bool => format!("({value} != {})", layout.literal(0.0)),
                     _ => value,
                 };
@@ -304,9 +308,10 @@ impl Writer<'_> {
         let layout = &self.layout;
         let (n, real) = (layout.states.len(), layout.real);
         let inputs = if self.has_inputs() { "in, " } else { "" };
-        let next = cast(self.time("(self->step + 1u)"), layout.is_single());
+        let next = self.time("(self->step + 1u)");
+        let length = cast("t1 - t".to_owned(), layout.is_single());
         let mut text =
-            format!("    {{\n        const {real} t1 = {next};\n        const {real} h = t1 - t;\n");
+            format!("    {{\n        const double t1 = {next};\n        const {real} h = {length};\n");
         match self.selected().target.method.unwrap_or(Method::Euler) {
             Method::Euler => {
                 let _ = write!(
@@ -325,7 +330,7 @@ impl Writer<'_> {
                     "        static const {real} a[4][3] = {{\n            \
                      {{{zero}, {zero}, {zero}}}, {{{half}, {zero}, {zero}}}, {{{zero}, {half}, {zero}}}, {{{zero}, {zero}, {one}}}\n        }};\n        \
                      static const {real} b[4] = {{{sixth}, {third}, {third}, {sixth}}};\n        \
-                     const {real} times[4] = {{t, t + {half} * h, t + {half} * h, t1}};\n        \
+                     const double times[4] = {{t, t + 0.5 * h, t + 0.5 * h, t1}};\n        \
                      {real} k[4][{n}];\n        \
                      {real} x[{n}];\n        \
                      for (int stage = 0; stage < 4; stage++) {{\n            \

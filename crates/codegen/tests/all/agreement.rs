@@ -2,7 +2,7 @@
 
 use blocksim_codegen::{Method, Part, Target, generate};
 
-use crate::support::{Loop, every, run, told};
+use crate::support::{Loop, every, run, text_of, told};
 
 /// Exports the subsystem, compiles it and expects that it agrees in all steps.
 fn agrees(main: &str, control: &str, target: &Target) {
@@ -207,6 +207,31 @@ fn single_precision_leaves_its_rounding_where_numbers_cancel() {
     ],
 )"#;
     agrees(&around(), control, &Target { float: true, ..every(1e-3) });
+}
+
+/// A phase of 4e5 rad, and the difference of two times of 20 000 s that are 1 ms apart: single precision would leave 0.03 rad of
+/// the one and nothing of the other. What is kept of a time for the next step is one, too.
+#[test]
+fn times_stay_exact_in_single_precision() {
+    let main = r#"Diagram(
+    simulation: (stop_time: "5 s"),
+    blocks: {
+        "wave": Sine(amplitude: 1.0, frequency: "12345.6 Hz", phase: "30 deg"), "now": Clock, "begin": Constant(value: "20000 s"),
+        "late": Sum(signs: "++"), "before": UnitDelay(ts: "1 ms"), "apart": Sum(signs: "+-"), "speed": Expression(law: "sin(u / 1 ms) + 2"),
+        "least": MinMax(function: Min, inputs: 2), "lag": LowPass(tau: "0.1 s"), "show": Scope(inputs: ["wave", "apart", "least", "lag"]),
+    },
+    connections: [
+        "wave.y -> lag.u, show.wave", "now.y -> late.u1", "begin.y -> late.u2, least.u1", "late.y -> before.u, apart.u1, least.u2",
+        "before.y -> apart.u2", "apart.y -> speed.u", "speed.y -> show.apart", "least.y -> show.least", "lag.y -> show.lag",
+    ],
+)"#;
+    let whole = Loop::new(main, "");
+    let target = Target { float: true, method: Some(Method::Rk4), ..every(1e-3) };
+    let made = generate(&whole.schedule, &Part::whole(&whole.schedule), &target)
+        .unwrap_or_else(|problems| panic!("{}", told(&problems)));
+    assert_eq!(run(&made), "5000 steps as in the simulation\n");
+    let text = text_of(&made, ".c");
+    assert!(text.contains("minimum_wide(") && !text.contains("minimum("), "{text}");
 }
 
 #[test]
