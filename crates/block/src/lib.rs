@@ -53,7 +53,7 @@ pub use parameter::{
 };
 pub use parameters::{ParameterInfo, Parameters};
 pub use piece::{NODES, Piece, derivatives, roughness, through};
-pub use ports::{Input, Output, PortType};
+pub use ports::{CONDITION, Input, Output, PortType};
 pub use registry::{BlockInfo, Registered, kinds};
 pub use requirements::{Bound, Inspect, Requirement, Requirements};
 pub use shapes::Shapes;

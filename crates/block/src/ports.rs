@@ -2,6 +2,10 @@
 
 use blocksim_signal::{Dimension, Kind, Shape, Unit};
 
+/// Name of the input by which a block inside of a conditional subsystem asks whether it runs, and of the output that says so; no
+/// block has a port of its own of that name.
+pub const CONDITION: &str = "(condition)";
+
 /// What travels over a connection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PortType {

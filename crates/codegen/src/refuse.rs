@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use blocksim_block::CONDITION;
 use blocksim_block::problem::Problem;
 use blocksim_block::schedule::Instance;
 
@@ -48,6 +49,8 @@ fn ports(selected: &Selected, problems: &mut Vec<Problem>) {
             };
             selected.schedule.signals.iter().find(holds).map(|signal| signal.path.clone())
         })
+        // The blocks inside name the condition of a subsystem.
+        .filter(|signal| !signal.ends_with(CONDITION))
         .collect();
     strangers.sort();
     strangers.dedup();
@@ -105,6 +108,15 @@ fn reason(selected: &Selected, at: usize) -> Option<(String, String)> {
         return None;
     }
     let say = |reason: &str, help: &str| Some((reason.to_owned(), help.to_owned()));
+    let interface = &block.interface;
+    let asks = interface.inputs.iter().any(|input| input.name == CONDITION);
+    if asks || interface.outputs.iter().any(|output| output.name == CONDITION) {
+        return say(
+            "runs where the condition of a subsystem holds (`enable`, `trigger`, `reset`, a branch), which is not translated",
+            "export the subsystem without its condition, and call its step on the target when it is to run; or compute all branches \
+             and choose with a Switch",
+        );
+    }
     let leave_out = "put what runs on the target into a subsystem of its own, without this block, and name it by `--subsystem`";
     if !block.parts.is_empty() || !block.interface.ports.is_empty() {
         let mut parts: Vec<&str> = block.parts.iter().map(|part| part.path.as_str()).collect();
@@ -122,7 +134,6 @@ fn reason(selected: &Selected, at: usize) -> Option<(String, String)> {
             "call that code on the target, and export what is around it",
         );
     }
-    let interface = &block.interface;
     if interface.remembers.is_some() {
         return say(
             "remembers what it saw over time",

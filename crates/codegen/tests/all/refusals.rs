@@ -59,6 +59,31 @@ fn all_blocks_that_stand_against_it_are_listed() {
 }
 
 #[test]
+fn what_a_condition_of_a_subsystem_runs() {
+    let control = r#"Diagram(inputs: { "u": () }, outputs: { "y": "sum.y", "z": "last.y" },
+        blocks: { "sum": DiscreteIntegrator(ts: "1 ms"), "last": Gain(k: 2.0) }, connections: ["in.u -> sum.u, last.u"])"#;
+    let main = r#"Diagram(
+    simulation: (stop_time: "1 s"),
+    blocks: {
+        "source": Sine(amplitude: 1.0, frequency: "1 Hz"),
+        "control": Subsystem(file: "control.ron", reset: Rising),
+        "show": Scope(inputs: ["y", "z"]),
+    },
+    connections: ["source.y -> control.u, control.reset", "control.y -> show.y", "control.z -> show.z"],
+)"#;
+    let problems = Loop::new(main, control).export(&every(1e-3)).expect_err("a refusal");
+    expect![[r#"
+        the inputs `reset` and `u` of `control` are both driven by `source.y`, so that the code could not keep them apart
+          put a `Gain(k: 1)` between `source.y` and one of them, outside of `control`
+        `control/last` (Gain) runs where the condition of a subsystem holds (`enable`, `trigger`, `reset`, a branch), which is not translated
+          export the subsystem without its condition, and call its step on the target when it is to run; or compute all branches and choose with a Switch
+        `control/sum` (DiscreteIntegrator) runs where the condition of a subsystem holds (`enable`, `trigger`, `reset`, a branch), which is not translated
+          export the subsystem without its condition, and call its step on the target when it is to run; or compute all branches and choose with a Switch
+    "#]]
+    .assert_eq(&told(&problems));
+}
+
+#[test]
 fn a_sample_time_that_is_no_multiple_of_the_step() {
     refuses(
         r#""last": UnitDelay(ts: "1.5 ms")"#,

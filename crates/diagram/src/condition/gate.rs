@@ -2,14 +2,12 @@
 
 use blocksim_block::event::{Change, Subject};
 use blocksim_block::{
-    Block, Context, Crossing, Discrete, Given, Input, Interface, InterfaceError, Output, PortType, Scratch,
+    Block, CONDITION, Context, Crossing, Discrete, Given, Input, Interface, InterfaceError, Output, PortType,
+    Scratch,
 };
 use blocksim_signal::{Kind, Shape};
 
 use super::{Condition, WhenEnabled};
-
-/// Name of the input by which a block inside asks the gate; no block has an input of that name.
-pub(crate) const GATE_INPUT: &str = "(condition)";
 
 /// What a gate gives: whether the subsystem is enabled, the time at which it runs, and the time of the last reset.
 const SHAPE: Shape = Shape::Vector(3);
@@ -65,7 +63,7 @@ impl GateState {
 
 /// The input by which a block asks a gate.
 pub(crate) fn gate_input() -> Input {
-    Input { kind: Some(Kind::Real), ..Input::any(GATE_INPUT).shape(SHAPE) }
+    Input { kind: Some(Kind::Real), ..Input::any(CONDITION).shape(SHAPE) }
 }
 
 /// The block that knows when a conditional subsystem runs.
@@ -132,7 +130,7 @@ impl Block for Gate {
             }
         }
         Ok(interface
-            .output(Output::like(GATE_INPUT, PortType::scalar().shaped(SHAPE)))
+            .output(Output::like(CONDITION, PortType::scalar().shaped(SHAPE)))
             .called_by_mode()
             .settles())
     }

@@ -14,7 +14,7 @@ use blocksim_block::problem::Place;
 use blocksim_signal::Quantity;
 
 pub(crate) use conditional::Conditional;
-pub(crate) use gate::{GATE_INPUT, Gate, gate_input};
+pub(crate) use gate::{Gate, gate_input};
 pub(crate) use merger::Merger;
 pub(crate) use outlet::Outlet;
 

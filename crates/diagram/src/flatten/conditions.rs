@@ -4,13 +4,13 @@
 use std::sync::Arc;
 
 use blocksim_block::problem::Problem;
-use blocksim_block::{Block, Given};
+use blocksim_block::{Block, CONDITION, Given};
 use blocksim_signal::SampleTime;
 use foldhash::HashMap;
 
 use super::view::{Asked, Tree, View};
 use super::{Flat, FlatBlock, Source};
-use crate::condition::{Condition, Conditional, GATE_INPUT, Gate, Merger, Outlet, gate_input};
+use crate::condition::{Condition, Conditional, Gate, Merger, Outlet, gate_input};
 use crate::model::ModelBlock;
 use crate::problems::{Problems, a};
 
@@ -262,7 +262,7 @@ impl<'m> View<'m> {
         let outer = self.conditional(*parent).next();
         inputs.extend(outer.map(|outer| Some(self.asks(gates[&outer], subsystem))));
         let gate = Gate { condition, nested: outer.is_some() };
-        Some(self.own(subsystem, subsystem.path.clone(), GATE_INPUT, Arc::new(gate), inputs))
+        Some(self.own(subsystem, subsystem.path.clone(), CONDITION, Arc::new(gate), inputs))
     }
 
     fn outlet(&self, level: usize, number: usize, gate: usize, problems: &mut Problems) -> Option<FlatBlock> {

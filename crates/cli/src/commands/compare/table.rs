@@ -320,6 +320,9 @@ fn words(verdict: &Verdict) -> String {
 
 /// Whether the maximum difference of a signal is nothing beside its value there.
 fn is_rounding(found: &Found) -> bool {
-    let is_small = |d: Deviation| d.difference().abs() <= 1e-9 * d.baseline.abs().max(d.compared.abs());
+    let is_small = |d: Deviation| {
+        let difference = d.difference().abs();
+        difference.is_finite() && difference <= 1e-9 * d.baseline.abs().max(d.compared.abs())
+    };
     found.verdict == Verdict::Differs && found.comparison.maximum.is_some_and(is_small)
 }
