@@ -277,6 +277,8 @@ fn list(text: &str) -> Result<Vec<String>, String> {
     }
 }
 
+/// The unit of ratios that a diagram reads in whole literals.
+const DECIBEL: &str = "dB";
 /// Most values of one range.
 const MOST: usize = 100_000;
 
@@ -315,7 +317,8 @@ fn range(text: &str) -> Result<Values, String> {
 }
 
 fn span(from: &str, to: &str, by_factors: bool) -> Result<Span, String> {
-    let ((from, unit), (to, other)) = (number(from)?, number(to)?);
+    let ((from, unit), (to, other)) =
+        (number_in(from, &is_unit_of_range)?, number_in(to, &is_unit_of_range)?);
     let unit = match (unit, other) {
         (unit, other) if unit == other => unit,
         ("", unit) | (unit, "") => unit,
@@ -323,6 +326,9 @@ fn span(from: &str, to: &str, by_factors: bool) -> Result<Span, String> {
             return Err(format!("both ends of a range have one unit, not `{unit}` and `{other}`"));
         }
     };
+    if by_factors && unit == DECIBEL {
+        return Err("decibels are factors already: leave `log` away".to_owned());
+    }
     if by_factors && from * to <= 0.0 {
         return Err("the ends of a range by equal factors have one sign and are not zero".to_owned());
     }
@@ -334,6 +340,15 @@ fn span(from: &str, to: &str, by_factors: bool) -> Result<Span, String> {
 /// # Errors
 /// What is wrong with it.
 pub fn number(text: &str) -> Result<(f64, &str), String> {
+    number_in(text, &|unit| Unit::parse(unit).is_ok())
+}
+
+/// Steps of a range may be even in decibels, which are no factor but stand for one.
+fn is_unit_of_range(unit: &str) -> bool {
+    unit == DECIBEL || Unit::parse(unit).is_ok()
+}
+
+fn number_in<'t>(text: &'t str, is_unit: &dyn Fn(&str) -> bool) -> Result<(f64, &'t str), String> {
     let text = text.trim();
     let ends = text.char_indices().map(|(at, sign)| at + sign.len_utf8()).rev();
     let mut found =
@@ -341,7 +356,7 @@ pub fn number(text: &str) -> Result<(f64, &str), String> {
     let Some((number, unit)) = found.find(|(number, _)| number.is_finite()) else {
         return Err(format!("`{text}` is not a number with or without a unit"));
     };
-    match unit.is_empty() || Unit::parse(unit).is_ok() {
+    match unit.is_empty() || is_unit(unit) {
         true => Ok((number, unit)),
         false => Err(format!("`{unit}` is not a unit")),
     }
@@ -378,6 +393,7 @@ mod tests {
         assert_eq!(values("pid.kp=4..16/5"), ["4", "7", "10", "13", "16"]);
         assert_eq!(values("l=1 mH..2 mH/3"), ["1 mH", "1.5 mH", "2 mH"]);
         assert_eq!(values("v=-1..1 m/s/3"), ["-1 m/s", "0 m/s", "1 m/s"]);
+        assert_eq!(values("g=-6 dB..6 dB/3"), ["-6 dB", "0 dB", "6 dB"]);
         assert_eq!(values("k=0.1..0.7/7"), ["0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7"]);
         assert_eq!(values("k=1e-3..10/5log"), ["0.001", "0.01", "0.1", "1", "10"]);
         assert_eq!(values("k=-1..-10/4log"), ["-1", "-2.154", "-4.642", "-10"]);
@@ -405,6 +421,7 @@ mod tests {
             ("kp=one..2/3", "`one` is not a number"),
             ("kp=1 parsec..2 parsec/3", "`parsec` is not a unit"),
             ("kp=0..2/3log", "one sign"),
+            ("kp=3 dB..6 dB/3log", "decibels are factors already"),
             ("kp=-1..2/3log", "one sign"),
         ] {
             let error = over(wrong).unwrap_err();
