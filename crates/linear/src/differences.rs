@@ -4,7 +4,8 @@
 //! computed with steps that shorten by a factor, and the one is kept that differs least from its neighbour, once
 //! extrapolated after Richardson. The same comparison tells the accuracy (C. Ridders, Accurate computation of F'(x) and
 //! F'(x) F''(x), Advances in Engineering Software 4 (1982) 75; here without the higher columns of his tableau, which
-//! noise would spoil).
+//! noise would spoil). Steps that agree with each other and lead to where another law holds are told from these by shorter ones,
+//! which agree with each other on something else: an integral that is frozen beyond a limit does not move on either side of it.
 
 use nalgebra::DMatrix;
 
@@ -14,6 +15,9 @@ const LONGEST: f64 = 0.1;
 const FACTOR: f64 = 8.0;
 /// Number of steps; the shortest is about 1e-10.
 const STEPS: usize = 11;
+/// Successive steps whose slopes are the same within this part of how far a slope of longer steps is from them know better.
+const KNOW: usize = 4;
+const BETTER: f64 = 1.0 / 30.0;
 /// Slopes to both sides that differ by more than this part are of a kink.
 const KINK: f64 = 1e-2;
 
@@ -239,13 +243,27 @@ fn best(sides: &[Side], row: usize, middle: f64) -> (f64, f64) {
         return (0.0, 0.0);
     }
     let square = FACTOR * FACTOR;
-    let pairs = sides.windows(2).map(|pair| {
+    let pairs = sides.windows(2).enumerate().map(|(level, pair)| {
         let (long, short) = (pair[0].slope(row), pair[1].slope(row));
         let error = (long - short).abs().max(pair[1].rounding(row, middle));
-        ((square * short - long) / (square - 1.0), error)
+        ((square * short - long) / (square - 1.0), error, level)
     });
-    let usable = pairs.filter(|(value, error)| value.is_finite() && error.is_finite());
-    usable.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((f64::NAN, f64::NAN))
+    let usable = pairs.filter(|(value, error, _)| value.is_finite() && error.is_finite());
+    // Noise grows as steps shorten, so that it does not look like agreement.
+    let is_elsewhere = |value: f64, error: f64, level: usize| {
+        sides[level + 1..].windows(KNOW).any(|near| {
+            let slopes = || near.iter().map(|side| side.slope(row));
+            let (least, most) = slopes().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), slope| {
+                (least.min(slope), most.max(slope))
+            });
+            let rounding = near[KNOW - 1].rounding(row, middle);
+            let apart = (least - value).max(value - most);
+            slopes().all(f64::is_finite) && BETTER * apart > (most - least).max(rounding).max(error)
+        })
+    };
+    let here = usable.filter(|(value, error, level)| !is_elsewhere(*value, *error, *level));
+    let (value, error, _) = here.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((f64::NAN, f64::NAN, 0));
+    (value, error)
 }
 
 /// The slopes to both sides, if they do not approach each other as the step shortens.
@@ -302,6 +320,23 @@ mod tests {
         });
         assert!((steep.value[(0, 0)] / 1e4 - 1.0).abs() < 1e-6, "{}", steep.value);
         assert_eq!(steep.value[(1, 1)], 0.0);
+    }
+
+    #[test]
+    fn what_is_frozen_beyond_a_limit_has_the_slope_within_it() {
+        for limit in [1e-2, 1e-4, 1e-6] {
+            let frozen = of(&[0.3, -2.0], |x, y| {
+                let error = x[0] - 0.3 + limit / 3.0;
+                y[0] = x[1] + if error.abs() < limit { -1.8 * error } else { 0.0 };
+                // Far away another slope holds.
+                y[1] = if error.abs() < limit { 5.0 * x[0] } else { 7.0 * (x[0] - 0.3) + 1.5 };
+            });
+            let expected = [-1.8, 5.0, 1.0, 0.0];
+            for (found, expected) in frozen.value.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-6, "{limit}: {}", frozen.value);
+            }
+            assert!(frozen.error.iter().all(|error| *error < 1e-5), "{limit}: {}", frozen.error);
+        }
     }
 
     #[test]

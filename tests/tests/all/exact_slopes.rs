@@ -302,3 +302,25 @@ fn slopes_from_hit_to_hit_are_those_of_the_map() {
     let contradicted: Vec<&String> = whole.iter().filter(|reason| reason.contains("are not those")).collect();
     assert!(contradicted.is_empty(), "{contradicted:#?}");
 }
+
+/// `ki ts kv / w1` of the controller of axis 1, a plug-in: `I' = I + ki ts (qd_set + kv (q_set - q) - w) / w1`. Beyond the limits of its
+/// output, a hundredth of a radian away, the integral is frozen and does not move on either side.
+#[test]
+fn an_integral_that_is_frozen_beyond_a_limit_is_followed_within_it() {
+    let (compiled, problems) = compile_file("diagrams/irb2600/irb2600.ron", &["drive=torque"]);
+    let mut schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+    schedule.settings.start = Start::Given;
+    let all: Vec<usize> = (0..schedule.blocks.len()).collect();
+    let period = Period::of(&schedule, &all, 0.5, None).expect("a period");
+    let made = PeriodMap::new(&schedule, (&all, period), Vec::new(), false, &mut Nobody);
+    let (mut map, _) = made.expect("a run").expect("a map");
+    let place = |name: &str| map.names().iter().position(|known| known == name).expect("a state");
+    let [integral, q, w] =
+        ["control/joint1/controller/torque.integral", "arm/base/joint.q", "arm/base/joint.w"].map(place);
+    let slopes = map.slopes(0, &[], false, &mut || true).expect("slopes");
+    let (kv, ki, ts, w1) = (20.0, 20.0 * 4500.0, 1e-3, 1000.0);
+    for (column, expected) in [(integral, 1.0), (q, -ki * ts * kv / w1), (w, -ki * ts / w1)] {
+        let found = slopes.next[(integral, column)];
+        assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found}, not {expected}");
+    }
+}
