@@ -123,7 +123,7 @@ pub fn jacobian_over<E>(
 
 /// As [`jacobian`], for many functions each of which depends on few arguments: arguments that no function has in common are
 /// varied together (A. R. Curtis, M. J. D. Powell, J. K. Reid: On the estimation of sparse Jacobian matrices, IMA J. Appl. Math.
-/// 13 (1974) 117). Which those are is seen where one argument after the other is moved by a large and by a small step.
+/// 13 (1974) 117). Which those are is seen where one argument after the other is moved by a large step upwards and by a small one downwards.
 ///
 /// # Errors
 /// That of `f` at the point, or for the shortest step.
@@ -193,8 +193,8 @@ pub fn sparse_jacobian<E>(
     Ok(jacobian)
 }
 
-/// Steps, as parts of the size of an argument, by which it is moved to see on what it acts.
-const PROBES: [f64; 2] = [LONGEST, 1e-6];
+/// Steps, as parts of the size of an argument, by which it is moved to see on what it acts: to both sides, as some act on one alone.
+const PROBES: [f64; 2] = [LONGEST, -1e-6];
 
 /// Sets of columns no two of which act on the same row.
 fn apart(acts: &[Vec<usize>], rows: usize) -> Vec<Vec<usize>> {
@@ -378,7 +378,13 @@ mod tests {
         let chain = |x: &[f64], y: &mut [f64]| {
             for i in 0..n {
                 let (left, right) = (x[i.max(1) - 1], x[(i + 1).min(n - 1)]);
-                y[i] = (left - x[i]).sin() + x[i] * right + if i == 7 { x[20].abs() } else { 0.0 };
+                y[i] = (left - x[i]).sin() + x[i] * right;
+                y[i] += match i {
+                    7 => x[20].abs(),
+                    9 => x[20].min(0.0),
+                    12 => x[20].max(0.0),
+                    _ => 0.0,
+                };
             }
         };
         let point: Vec<f64> = (0..n).map(|i| if i == 20 { 0.0 } else { (i as f64).cos() }).collect();
@@ -393,7 +399,7 @@ mod tests {
         });
         let (sparse, dense) = (sparse.unwrap(), dense.unwrap());
         assert_eq!((sparse.value, &sparse.kinks), (dense.value, &dense.kinks));
-        assert_eq!(sparse.kinks.len(), 1);
+        assert_eq!(sparse.kinks.len(), 3);
         assert!(evaluations < 1 + 2 * n + 22 * 6, "{evaluations}");
     }
 
