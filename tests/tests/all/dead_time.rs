@@ -415,3 +415,53 @@ fn what_comes_out_of_one_memory_is_no_break_in_another() {
     }
     assert!((run.last("show.late0") - y).abs() < 1e-5, "{}, not {y}", run.last("show.late0"));
 }
+
+/// A delay that jumps leads what is read over a peak, or a jump, of the input in no time: nothing of that comes out, and who looks at
+/// that instant, or remembers what it sees, does not see it.
+#[test]
+fn a_delay_that_jumps_leads_over_a_peak_without_showing_it() {
+    // A triangle with its peak of 5 at 0.3 s, and a pulse of that height; from 0.4 s on both are zero.
+    let inputs = [
+        "SignalBuilder(points: [(0.0, 0.0), (0.3, 5.0), (0.4, 0.0), (2.0, 0.0)])",
+        r#"Pulse(period: "9 s", width: "0.15/9", delay: "0.2 s", amplitude: 5.0)"#,
+    ];
+    // From 0.1 s to 0.45 s, and from 0.65 s to 0.05 s, at 0.5 s or at 0.7 s.
+    let jumps = [("0.5 s", "0.4 s", "0.05 s"), ("0.7 s", "50 ms", "0.65 s")];
+    for (input, (time, before, after)) in inputs.iter().flat_map(|input| jumps.map(|jump| (input, jump))) {
+        for solver in METHODS {
+            let run = run_text(&format!(
+                r#"Diagram(
+                    simulation: (stop_time: "0.8 s", solver: {solver}(rtol: 1e-6), output: Every("0.1 s")),
+                    blocks: {{
+                        "u": {input}, "tau": Step(time: "{time}", before: "{before}", after: "{after}"),
+                        "late": VariableTransportDelay(min_delay: "50 ms", max_delay: "0.8 s"),
+                        "relay": Relay(on_at: 4.0, off_at: -1.0), "hits": HitCrossing(at: 4.0, direction: Rising),
+                        "held": ZeroOrderHold(ts: "0.1 s"), "play": Backlash(width: 1.0),
+                        "show": Scope(inputs: ["late", "relay", "hits", "held", "play"]),
+                    }},
+                    connections: [
+                        "u.y -> late.u", "tau.y -> late.delay", "late.y -> relay.u, hits.u, held.u, play.u, show.late",
+                        "relay.y -> show.relay", "hits.count -> show.hits", "held.y -> show.held", "play.y -> show.play",
+                    ],
+                )"#
+            ));
+            // What has come out by itself before the jump of the longer delay, over the peak.
+            let seen = if after == "0.65 s" { 1.0 } else { 0.0 };
+            let what = format!("{input}, {after}, {solver}");
+            assert_eq!(run.last("show.hits"), seen, "{what}");
+            assert_eq!(run.last("show.relay"), seen, "{what}");
+            let [late, held] = ["show.late", "show.held"].map(|path| run.column(path));
+            // Of the rows of a sample, the last one is behind it.
+            let samples = (1..9).map(|k| {
+                let at = |row: &usize| (run.time[*row] - 0.1 * f64::from(k)).abs() < 1e-9;
+                (0..run.time.len()).rfind(at).expect("a row at each sample")
+            });
+            for row in samples {
+                assert!((late[row] - held[row]).abs() < 1e-6, "{what}: {late:?}, {held:?}");
+            }
+            if seen == 0.0 {
+                assert!(run.last("show.play").abs() < 1.2, "{what}: {}", run.last("show.play"));
+            }
+        }
+    }
+}

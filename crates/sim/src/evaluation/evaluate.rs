@@ -253,6 +253,11 @@ impl Diagram {
                 Settles::First if settle.last[block] == now.evaluation => (),
                 Settles::First | Settles::Own => settle.before(call, now, signals, d),
             }
+            if call.reaches {
+                // Who reads it at this instant is not to see what lies between what came out before and what does now.
+                let unit = &plan.units[block];
+                unit.block.reach(&now.context(unit, signals, &[]), &mut d[unit.d.range()]);
+            }
             outputs(call, now, signals, d, scratch);
             if now.fault.is_raised() {
                 return Err(self.failed(block));

@@ -98,6 +98,8 @@ pub(crate) struct Call {
     pub group: u32,
     pub when: When,
     pub settles: Settles,
+    /// Whether what comes out of its memory is up to an input, which may have jumped.
+    pub reaches: bool,
     /// Number among the calls of a major pass.
     pub number: u32,
     /// The algebraic loop that begins here.
@@ -187,7 +189,10 @@ impl Plan {
                 let unit = units[block as usize].clone();
                 let begins = loops.get(&number).copied();
                 let settles = settles(block, group);
-                Call { unit, block, group, when, settles, number: number as u32, begins }
+                let remembers = &schedule.blocks[block as usize];
+                let reaches = remembers.interface.remembers.is_some()
+                    && remembers.read(group as usize).next().is_some();
+                Call { unit, block, group, when, settles, reaches, number: number as u32, begins }
             })
             .collect();
         let between = |minor: bool| {
