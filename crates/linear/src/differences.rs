@@ -15,6 +15,10 @@ const LONGEST: f64 = 0.1;
 const FACTOR: f64 = 8.0;
 /// Number of steps; the shortest is about 1e-10.
 const STEPS: usize = 11;
+/// How many more there are, each by how much shorter, where the shortest one shows something else than the others: down to 1e-16, as
+/// charges, volumes and fluxes are small in SI units, and limits may be near.
+const MORE: usize = 12;
+const CLOSER: f64 = 3.0;
 /// Successive steps whose slopes are the same within this part of how far a slope of longer steps is from them know better.
 const KNOW: usize = 4;
 const BETTER: f64 = 1.0 / 30.0;
@@ -88,32 +92,35 @@ pub fn jacobian_over<E>(
         error: DMatrix::zeros(rows, point.len()),
         kinks: Vec::new(),
     };
-    let mut sides = vec![Side::new(rows); STEPS];
+    let mut sides = vec![Side::new(rows); STEPS + MORE];
     for column in columns {
-        let size = point[column].abs().max(1.0);
-        for (level, side) in sides.iter_mut().enumerate() {
-            let wanted = LONGEST * size / FACTOR.powi(level as i32);
-            // The step as it is after rounding.
-            let (above, below) = (point[column] + wanted, point[column] - wanted);
-            side.h = (above - point[column], point[column] - below);
+        let mut taken = STEPS;
+        for level in 0..STEPS + MORE {
+            if level == STEPS && !(0..rows).any(|row| is_unclear(&sides[..STEPS], row, middle[row])) {
+                break;
+            }
+            let side = &mut sides[level];
+            let (above, below) = side.go(point[column], level);
             let mut side_at = |at: f64, values: &mut [f64]| {
                 x[column] = at;
                 f(&x, values)
             };
             let done = side_at(above, &mut side.above).and_then(|()| side_at(below, &mut side.below));
             match done {
-                Ok(()) => {}
+                Ok(()) => taken = taken.max(level + 1),
                 Err(error) if level + 1 == STEPS => return Err(error),
-                Err(_) => side.above.fill(f64::NAN),
+                Err(_) if level < STEPS => side.above.fill(f64::NAN),
+                Err(_) => break,
             }
         }
         x[column] = point[column];
+        let sides = &sides[..taken];
         for (row, &middle) in middle.iter().enumerate() {
-            let (value, error) = best(&sides, row, middle);
+            let (value, error) = best(sides, row, middle);
             let entry = (row, column);
             jacobian.error[entry] = error;
             jacobian.value[entry] = if value.abs() <= error { 0.0 } else { value };
-            if let Some((left, right)) = kink(&sides, row, middle) {
+            if let Some((left, right)) = kink(sides, row, middle) {
                 jacobian.kinks.push(Kink { row, column, left, right });
             }
         }
@@ -155,36 +162,41 @@ pub fn sparse_jacobian<E>(
         error: DMatrix::zeros(rows, point.len()),
         kinks: Vec::new(),
     };
-    let mut sides = vec![Side::new(rows); STEPS];
+    let mut sides = vec![Side::new(rows); STEPS + MORE];
     for group in apart(&acts, rows) {
-        let step = |column: usize, level: usize| {
-            let wanted = LONGEST * size(column) / FACTOR.powi(level as i32);
-            (point[column] + wanted, point[column] - wanted)
-        };
-        for (level, side) in sides.iter_mut().enumerate() {
-            group.iter().for_each(|&column| x[column] = step(column, level).0);
+        let mut taken = STEPS;
+        for level in 0..STEPS + MORE {
+            let unclear = |column: &usize| {
+                let mut sides = sides[..STEPS].to_vec();
+                sides.iter_mut().enumerate().for_each(|(level, side)| _ = side.go(point[*column], level));
+                acts[*column].iter().any(|&row| is_unclear(&sides, row, middle[row]))
+            };
+            if level == STEPS && !group.iter().any(unclear) {
+                break;
+            }
+            let side = &mut sides[level];
+            group.iter().for_each(|&column| x[column] = step(point[column], level).0);
             let done = f(&x, &mut side.above).and_then(|()| {
-                group.iter().for_each(|&column| x[column] = step(column, level).1);
+                group.iter().for_each(|&column| x[column] = step(point[column], level).1);
                 f(&x, &mut side.below)
             });
             match done {
-                Ok(()) => {}
+                Ok(()) => taken = taken.max(level + 1),
                 Err(error) if level + 1 == STEPS => return Err(error),
-                Err(_) => side.above.fill(f64::NAN),
+                Err(_) if level < STEPS => side.above.fill(f64::NAN),
+                Err(_) => break,
             }
         }
+        let sides = &mut sides[..taken];
         for &column in &group {
             x[column] = point[column];
-            for (level, side) in sides.iter_mut().enumerate() {
-                let (above, below) = step(column, level);
-                side.h = (above - point[column], point[column] - below);
-            }
+            sides.iter_mut().enumerate().for_each(|(level, side)| _ = side.go(point[column], level));
             for &row in &acts[column] {
-                let (value, error) = best(&sides, row, middle[row]);
+                let (value, error) = best(sides, row, middle[row]);
                 let entry = (row, column);
                 jacobian.error[entry] = error;
                 jacobian.value[entry] = if value.abs() <= error { 0.0 } else { value };
-                if let Some((left, right)) = kink(&sides, row, middle[row]) {
+                if let Some((left, right)) = kink(sides, row, middle[row]) {
                     jacobian.kinks.push(Kink { row, column, left, right });
                 }
             }
@@ -225,6 +237,14 @@ impl Side {
         Side { h: (0.0, 0.0), above: vec![0.0; rows], below: vec![0.0; rows] }
     }
 
+    /// Takes note of a step and gives both places to which it leads.
+    fn go(&mut self, at: f64, level: usize) -> (f64, f64) {
+        let (above, below) = step(at, level);
+        // The step as it is after rounding.
+        self.h = (above - at, at - below);
+        (above, below)
+    }
+
     fn slope(&self, row: usize) -> f64 {
         (self.above[row] - self.below[row]) / (self.h.0 + self.h.1)
     }
@@ -234,6 +254,23 @@ impl Side {
         let size = self.above[row].abs().max(self.below[row].abs()).max(middle.abs());
         8.0 * f64::EPSILON * size / (self.h.0 + self.h.1)
     }
+}
+
+/// Both places to which a step from an argument leads.
+fn step(at: f64, level: usize) -> (f64, f64) {
+    let more = (level + 1).saturating_sub(STEPS) as i32;
+    let step = LONGEST * at.abs().max(1.0) / FACTOR.powi(level.min(STEPS - 1) as i32) / CLOSER.powi(more);
+    (at + step, at - step)
+}
+
+/// Whether the shortest step shows something else than what is taken for the derivative, which is not its rounding.
+fn is_unclear(sides: &[Side], row: usize, middle: f64) -> bool {
+    let (value, _) = best(sides, row, middle);
+    let Some(last) = sides.last() else { return false };
+    let slope = last.slope(row);
+    let apart = (slope - value).abs();
+    !apart.is_finite()
+        || apart > KINK * slope.abs().max(value.abs()) && BETTER * apart > last.rounding(row, middle)
 }
 
 /// The derivative of a row and its error.
@@ -339,6 +376,24 @@ mod tests {
                 assert!((found - expected).abs() < 1e-6, "{limit}: {}", frozen.value);
             }
             assert!(frozen.error.iter().all(|error| *error < 1e-5), "{limit}: {}", frozen.error);
+        }
+    }
+
+    #[test]
+    fn small_states_and_near_limits_have_their_own_slopes() {
+        for scale in [1e-6_f64, 1e-9, 1e-11] {
+            // Near one, rounding is in the way of what is nearer than that.
+            let near = scale.max(1e-10);
+            let found = of(&[scale, 1.0 - 0.3 * near], |x, y| {
+                // A saturating coil, a junction, and limits.
+                y[0] = (x[0] / scale).tanh() + 1e-3 * x[0] / scale + 2.0 * x[1].min(1.0);
+                y[1] = (x[0] / scale).ln().max(-1e3) + 5.0 * x[1].clamp(1.0 - near, 1.0);
+            });
+            let slope = (1.0 - 1.0_f64.tanh().powi(2) + 1e-3) / scale;
+            for (found, expected) in found.value.iter().zip([slope, 1.0 / scale, 2.0, 5.0]) {
+                assert!((found / expected - 1.0).abs() < 0.03, "{scale}: {found}, not {expected}");
+            }
+            assert!(found.kinks.is_empty(), "{scale}: {:?}", found.kinks);
         }
     }
 
