@@ -11,7 +11,7 @@ const DENSE: f64 = 60.0;
 /// Decades beyond the slowest and the fastest pole or zero.
 const BEYOND: f64 = 1.0;
 /// Most decades.
-const WIDE: f64 = 12.0;
+const WIDE: f64 = 14.0;
 /// Poles and zeros with less damping than this have points of their own around them.
 const SHARP: f64 = 0.3;
 
@@ -24,7 +24,7 @@ pub fn frequencies(poles: &[Complex<f64>], zeros: &[Complex<f64>], period: Optio
     let top = period.map(|period| PI / period);
     let highest = if highest.is_nan() { top.unwrap_or(TAU) } else { highest };
     // What is far below the fastest is an integrator but for rounding.
-    let lowest = sizes.iter().copied().filter(|f| *f > 1e-10 * highest).fold(highest, f64::min);
+    let lowest = sizes.iter().copied().filter(|f| *f > 1e-12 * highest).fold(highest, f64::min);
     let to = top.map_or(highest.log10() + BEYOND, f64::log10);
     let from = (lowest.log10() - BEYOND).max(to - WIDE).min(to - BEYOND);
     let count = ((to - from) * DENSE).ceil() as usize;

@@ -38,7 +38,7 @@ pub use delayed::Delayed;
 pub use differences::{Jacobian, Kink, jacobian, jacobian_over, sparse_jacobian};
 pub use error::LinearError;
 pub use grid::frequencies;
-pub use margins::{Margin, Margins, bandwidth, bandwidth_delayed, margins, margins_delayed};
+pub use margins::{Margin, Margins, bandwidth, bandwidth_delayed, is_at_border, margins, margins_delayed};
 pub use minimal::{Reduced, minimal, reduced};
 pub use nalgebra::Complex;
 pub use nalgebra::DMatrix;

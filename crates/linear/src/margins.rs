@@ -10,6 +10,8 @@ use crate::{
 
 /// Halvings of an interval between two frequencies.
 const HALVINGS: usize = 60;
+/// Part of the size of the fastest pole by which rounding moves one across the border of stability.
+const BORDER: f64 = 1e-14;
 
 /// A margin and where it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +63,8 @@ pub fn margins(channel: &Channel) -> Result<Margins, LinearError> {
     })?;
     let open_poles = poles(&channel.a)?;
     let closed = poles(&closed.a)?;
-    let stable = is_stable(&closed, channel.period);
+    let stable = is_stable(&closed, channel.period)
+        && !closed.iter().any(|pole| is_at_border(*pole, &closed, channel.period));
     let zeros = zeros(channel)?.unwrap_or_default();
     // Closed poles, too: the peak of the sensitivity is at them.
     let all: Vec<Complex<f64>> = open_poles.iter().chain(&closed).copied().collect();
@@ -91,6 +94,14 @@ pub fn margins_delayed(delayed: &Delayed) -> Result<Margins, LinearError> {
     let rest = delayed.static_gain()?;
     let closed = Closed { poles: Vec::new(), stable: growing == Some(0), growing };
     Ok(of_response(|w| delayed.at(w), &grid, rest, None, closed))
+}
+
+/// Whether rounding decides on which side of the border of stability a pole lies.
+pub fn is_at_border(pole: Complex<f64>, all: &[Complex<f64>], period: Option<f64>) -> bool {
+    match period {
+        None => pole.re.abs() <= BORDER * all.iter().map(|pole| pole.norm()).fold(0.0, f64::max),
+        Some(_) => (pole.norm() - 1.0).abs() <= BORDER,
+    }
 }
 
 /// What is known of the closed loop.
@@ -234,6 +245,8 @@ mod tests {
         near(found.least_gain().unwrap().value, 8.0);
         near(found.least_gain().unwrap().frequency, 3.0_f64.sqrt());
         assert!(found.phase.is_empty() && found.delay.is_none() && found.stable);
+        // At the border neither side is known.
+        assert!(!margins(&l.clone().scaled(8.0)).unwrap().stable);
         assert!(!margins(&l.clone().scaled(8.1)).unwrap().stable);
         assert!(margins(&l.scaled(7.9)).unwrap().stable);
     }

@@ -103,8 +103,10 @@ pub fn static_gain(channel: &Channel, poles: &[Complex<f64>]) -> Gain {
     }
     let response = Response::new(channel);
     let gain = response.at(0.0).re;
-    // Against what comes through elsewhere rounding is nothing.
-    let elsewhere = poles.iter().map(|pole| response.at(pole.norm()).norm()).filter(|size| size.is_finite());
+    // Against what comes through elsewhere rounding is nothing; at a pole without damping that is no size of anything.
+    let elsewhere =
+        poles.iter().flat_map(|pole| [0.7, 1.3].map(|part| response.at(part * pole.norm()).norm()));
+    let elsewhere = elsewhere.filter(|size| size.is_finite());
     match gain {
         gain if !gain.is_finite() => Gain::Infinite,
         gain if gain.abs() <= 1e-13 * elsewhere.fold(0.0, f64::max) => Gain::Finite(0.0),
@@ -134,6 +136,18 @@ mod tests {
                 let exact = polynomial(&numerator, s) / polynomial(&denominator, s);
                 assert!((response.at(w) - exact).norm() < 1e-9 * exact.norm(), "at {w}");
             }
+        }
+    }
+
+    #[test]
+    fn what_swings_without_damping_has_a_static_gain() {
+        // 1 / (1 + s^2) and two of them in a row.
+        for (denominator, gain) in
+            [(vec![1.0, 0.0, 4.0], 0.25), (vec![1.0, 0.0, 13.0, 0.0, 36.0], 1.0 / 36.0)]
+        {
+            let system = transfer(&[1.0], &denominator);
+            let found = static_gain(&system, &poles(&system.a).unwrap());
+            assert!(matches!(found, Gain::Finite(found) if (found - gain).abs() < 1e-12), "{found:?}");
         }
     }
 

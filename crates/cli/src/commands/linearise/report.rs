@@ -1,6 +1,6 @@
 //! What is found, for a person.
 
-use blocksim_linear::{Complex, Gain, Margin, Margins, Mode};
+use blocksim_linear::{Complex, Gain, Margin, Margins, Mode, is_at_border};
 use blocksim_numbers::format::{fixed, significant};
 use blocksim_terminal::{Align, PlotOptions, Series, Table, plot};
 
@@ -341,6 +341,9 @@ fn of_margins(facts: &mut Table, margins: &Margins, is_sampled: bool) {
                 "at its border: a pole at {}, closer to the unit circle than slopes are exact",
                 complex(pole)
             ),
+            (None, Some(pole)) if !is_sampled && is_at_border(pole, &margins.closed, None) => {
+                format!("at its border: a pole at {}, on the imaginary axis but for rounding", complex(pole))
+            }
             (None, Some(pole)) => format!("not stable: a pole at {}", complex(pole)),
             (None, None) => "not stable: infinitely many poles may grow".to_owned(),
         },
