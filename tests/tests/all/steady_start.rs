@@ -472,3 +472,40 @@ fn windings_without_a_resistance_have_no_steady_state() {
         }
     }
 }
+
+/// Places that are measured, on which nothing depends, are those to which a run from the same start comes: a drive with an encoder on
+/// either side of its shaft, of which the controller reads one, and a mass on a spring beside a sensor.
+#[test]
+fn a_place_that_is_measured_goes_with_what_it_measures() {
+    let drive = |start: &str| {
+        run_text(&format!(
+            r#"Diagram(
+                simulation: ({start}),
+                blocks: {{
+                    "ref": Constant(value: "1 rad"), "err": Sum(signs: "+-"),
+                    "pid": Pid(kp: "20 N*m/rad", ki: "10 N*m/(rad*s)", kd: "5 N*m*s/rad", n: 500), "tq": IdealTorqueSource,
+                    "h": RotationalReference, "j1": Inertia(j: "0.1 kg*m^2"), "j2": Inertia(j: "0.2 kg*m^2"),
+                    "k": RotationalSpringDamper(k: "100 N*m/rad", d: "0.5 N*m*s/rad"), "ld": ConstantTorque(tau: "-5 N*m"),
+                    "e1": MotionSensor, "e2": MotionSensor, "show": Scope(inputs: ["p1", "p2"]),
+                    "push": Constant(value: "5 N"), "fs": IdealForceSource, "w": TranslationalReference,
+                    "spring": TranslationalSpringDamper(k: "100 N/m", d: "10 N*s/m"), "m": Mass(m: "1 kg"),
+                    "e3": TranslationalMotionSensor, "x": Scope,
+                }},
+                connections: [
+                    "ref.y -> err.u1", "e1.phi -> err.u2, show.p1", "err.y -> pid.e", "pid.u -> tq.tau",
+                    "tq.r <-> j1.r <-> k.r <-> e1.r", "k.c <-> j2.r <-> ld.r <-> e2.r",
+                    "tq.c <-> e1.c <-> e2.c <-> ld.c <-> h.r", "e2.phi -> show.p2",
+                    "push.y -> fs.f", "fs.r <-> m.r <-> spring.r <-> e3.r", "fs.c <-> spring.c <-> e3.c <-> w.r", "e3.x -> x.u",
+                ],
+            )"#
+        ))
+    };
+    let steady = drive(r#"start: Steady, stop_time: "1 ms""#);
+    let run = drive(r#"stop_time: "60 s""#);
+    // 5 N*m on a spring of 100 N*m/rad, 5 N on one of 100 N/m.
+    for (path, expected) in [("show.p1", 1.0), ("show.p2", 0.95), ("x.u", 0.05)] {
+        let [found, settled] = [steady.column(path)[0], run.last(path)];
+        assert!((found - expected).abs() < 1e-9, "{path}: {found}, not {expected}");
+        assert!((settled - expected).abs() < 1e-4, "{path}: {settled}, not {expected}");
+    }
+}

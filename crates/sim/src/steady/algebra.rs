@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use blocksim_linear::DMatrix;
 
 /// Directions that move the equations by less than this part are left alone.
-const RANK: f64 = 1e-11;
+pub(super) const RANK: f64 = 1e-11;
 
 /// Unknowns above which a factorisation is tried that is quick but tells nothing of singular systems.
 pub(super) const LARGE: usize = 60;

@@ -132,6 +132,11 @@ impl<'s> Conditions<'s> {
         }
     }
 
+    /// Number of continuous states, which are the first unknowns.
+    pub fn states(&self) -> usize {
+        self.simulation.schedule.states
+    }
+
     /// Number of equations.
     pub fn equations(&self) -> usize {
         self.rates.len()

@@ -3,7 +3,7 @@
 use blocksim_linear::{DMatrix, jacobian, sparse_jacobian};
 
 use super::Rest;
-use super::algebra::{LARGE, least, undetermined};
+use super::algebra::{LARGE, RANK, least, undetermined};
 use super::conditions::Conditions;
 use crate::SimError;
 
@@ -18,6 +18,10 @@ const LINEAR: f64 = 1e-6;
 /// Times that the model is let go, and steps of each.
 const RELEASES: usize = 24;
 const RELEASE: usize = 12;
+/// Rates of what nothing depends on are those of other states together, and always so, within this part.
+const LED: f64 = 1e-6;
+/// Unknowns above which that is not looked at, as it takes the cube of their number.
+const MANY: usize = 500;
 /// Longest step of the time that is let pass, s.
 const ETERNITY: f64 = 1e9;
 
@@ -52,6 +56,8 @@ struct Slopes {
     sizes: Vec<f64>,
     /// What a change of an unknown by its size makes of each equation.
     scale: Vec<f64>,
+    /// Slopes of the equations that are not needed, of unknowns on which nothing depends.
+    idle: Vec<(usize, Vec<f64>)>,
 }
 
 pub(super) struct Search<'s, 'g> {
@@ -61,7 +67,12 @@ pub(super) struct Search<'s, 'g> {
     rest: Vec<f64>,
     /// Sizes of the unknowns where the search began.
     origin: Vec<f64>,
+    /// Where the search began, and how the rates of what nothing depends on were those of other states there.
+    begin: Option<(Vec<f64>, Vec<Led>)>,
 }
+
+/// The rate of an unknown on which nothing depends, as a sum of those of others: numbers and factors.
+type Led = (usize, Vec<(usize, f64)>);
 
 /// The size of an unknown; 1 for what is nearly zero, whose size is not known.
 fn size(z: &f64) -> f64 {
@@ -72,7 +83,7 @@ impl<'s, 'g> Search<'s, 'g> {
     pub fn new(conditions: Conditions<'s>, go: &'g mut dyn FnMut() -> bool) -> Self {
         let rest = vec![0.0; conditions.equations()];
         let origin = conditions.present().iter().map(size).collect();
-        Self { conditions, go, rest, origin }
+        Self { conditions, go, rest, origin, begin: None }
     }
 
     pub fn run(mut self) -> Result<Rest, Failure> {
@@ -114,6 +125,9 @@ impl<'s, 'g> Search<'s, 'g> {
     fn newton(&mut self, mut z: Vec<f64>) -> Result<Result<Rest, Lost>, Failure> {
         self.conditions.settle(&mut z)?;
         let mut slopes = self.slopes(&z)?;
+        if self.begin.is_none() {
+            self.begin = Some((z.clone(), slopes.led(self.conditions.states())));
+        }
         for _ in 0..STEPS {
             let now = slopes.norm(&self.rest);
             let worst = slopes.worst(&self.rest);
@@ -131,6 +145,9 @@ impl<'s, 'g> Search<'s, 'g> {
                 if let Some(next) = next.filter(|_| goes_on) {
                     z = next;
                 } else if !self.conditions.settle(&mut z)? {
+                    if self.lead(&mut z, &slopes) {
+                        self.conditions.settle(&mut z)?;
+                    }
                     self.conditions.evaluate(&z, &mut self.rest)?;
                     return Ok(Ok(self.found(&z, &slopes)));
                 }
@@ -143,6 +160,27 @@ impl<'s, 'g> Search<'s, 'g> {
         }
         self.conditions.evaluate(&z, &mut self.rest)?;
         Ok(Err(self.lost(&slopes)))
+    }
+
+    /// Brings what nothing depends on to where the others have led it: a place that is measured beside a spring has gone with the
+    /// spring. Only where their rates are bound at both ends of the way in the same manner, as those of one place are. Whether anything
+    /// has moved.
+    fn lead(&self, z: &mut [f64], slopes: &Slopes) -> bool {
+        let Some((begin, led)) = &self.begin else { return false };
+        let before = z.to_vec();
+        let now = slopes.led(self.conditions.states());
+        for (own, factors) in led {
+            let Some((_, others)) = now.iter().find(|(other, _)| other == own) else { continue };
+            let largest =
+                factors.iter().chain(others).fold(0.0, |most: f64, (_, factor)| most.max(factor.abs()));
+            let factor =
+                |all: &[(usize, f64)], k: usize| all.iter().find(|(i, _)| *i == k).map_or(0.0, |(_, f)| *f);
+            let mut both = factors.iter().chain(others).map(|(k, _)| *k);
+            if both.all(|k| (factor(factors, k) - factor(others, k)).abs() <= LED * largest) {
+                z[*own] = begin[*own] + factors.iter().map(|(k, f)| f * (z[*k] - begin[*k])).sum::<f64>();
+            }
+        }
+        before != z
     }
 
     /// Whether slopes promise too much at `z`, where the equations leave over `rest`: a step that is said to make them hold, taken
@@ -268,6 +306,9 @@ impl<'s, 'g> Search<'s, 'g> {
         }) {
             needed[idle] = false;
         }
+        let is_idle = |i: &usize| !needed[*i] && !conditions.fixed[*i];
+        let idle = (0..conditions.paired()).filter(is_idle);
+        let idle = idle.map(|i| (i, matrix.row(i).iter().copied().collect())).collect();
         let mut scale = vec![0.0; rows];
         for (row, scale) in scale.iter_mut().enumerate() {
             let effects = sizes.iter().enumerate().map(|(column, size)| matrix[(row, column)].abs() * size);
@@ -280,7 +321,7 @@ impl<'s, 'g> Search<'s, 'g> {
                 matrix.row_mut(row).fill(0.0);
             }
         }
-        Ok(Slopes { matrix, needed, sizes, scale })
+        Ok(Slopes { matrix, needed, sizes, scale, idle })
     }
 
     fn found(&self, z: &[f64], slopes: &Slopes) -> Rest {
@@ -327,6 +368,43 @@ impl Slopes {
         let right: Vec<f64> =
             rest.iter().zip(&self.needed).map(|(rest, needed)| if *needed { -rest } else { 0.0 }).collect();
         least(matrix, &right, &self.sizes)
+    }
+
+    /// Of unknowns on which nothing depends those of continuous time whose rates are sums of the rates of others, and how.
+    fn led(&self, states: usize) -> Vec<Led> {
+        let rows: Vec<usize> = (0..states).filter(|row| self.needed[*row]).collect();
+        let idle: Vec<&(usize, Vec<f64>)> = self.idle.iter().filter(|(i, _)| *i < states).collect();
+        if idle.is_empty() || rows.is_empty() || self.sizes.len() > MANY {
+            return Vec::new();
+        }
+        // Rates of a size of one for changes of the unknowns by their sizes.
+        let unit = |values: &mut dyn Iterator<Item = f64>| {
+            let scaled: Vec<f64> = values.zip(&self.sizes).map(|(slope, size)| slope * size).collect();
+            let largest = scaled.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+            let by = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+            (scaled.iter().map(|slope| slope * by).collect::<Vec<f64>>(), by)
+        };
+        let basis: Vec<(Vec<f64>, f64)> =
+            rows.iter().map(|row| unit(&mut self.matrix.row(*row).iter().copied())).collect();
+        let wanted: Vec<(Vec<f64>, f64)> =
+            idle.iter().map(|(_, slopes)| unit(&mut slopes.iter().copied())).collect();
+        let of = |all: &[(Vec<f64>, f64)]| DMatrix::from_fn(self.sizes.len(), all.len(), |i, k| all[k].0[i]);
+        let (basis_matrix, right) = (of(&basis), of(&wanted));
+        let Some(parts) = basis_matrix.clone().try_svd(true, true, f64::EPSILON, 10_000) else {
+            return Vec::new();
+        };
+        let border = RANK * parts.singular_values.max();
+        let Ok(factors) = parts.solve(&right, border) else { return Vec::new() };
+        let left = &basis_matrix * &factors - &right;
+        let largest = factors.amax();
+        let is_led = |k: &usize| wanted[*k].1 > 0.0 && left.column(*k).amax() <= LED;
+        let led = (0..idle.len()).filter(is_led).map(|k| {
+            let others =
+                rows.iter().enumerate().filter(|(row, _)| factors[(*row, k)].abs() > LED * 1e-3 * largest);
+            let others = others.map(|(row, i)| (*i, factors[(row, k)] * basis[row].1 / wanted[k].1));
+            (idle[k].0, others.collect())
+        });
+        led.collect()
     }
 
     fn longest(&self, step: &[f64]) -> f64 {
