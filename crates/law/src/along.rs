@@ -2,8 +2,10 @@
 
 use crate::{Binary, Code, Id, Op, Program, Sources, Unary, rates};
 
-/// Distance from a kink or jump, as a part of the numbers that meet there or of one, within which the law counts as not smooth.
+/// Distance from a kink or jump, as a part of the numbers that meet there or of the size below, within which the law counts as not smooth.
 const NEAR: f64 = 1e-9;
+/// What is smaller may be meant: flows of 1e-9 m^3/s and their limits are nothing unusual.
+const SMALL: f64 = 1e-3;
 
 /// Some values of a law, ready to be followed along directions in the space of its inputs, states and memories. Modes are held.
 #[derive(Debug, Clone)]
@@ -43,7 +45,7 @@ impl Edge {
         // No number is near a limit that is infinite.
         let apart = |a: f64, b: f64| {
             let distance = (a - b).abs();
-            distance.is_finite() && distance <= NEAR * a.abs().max(b.abs()).max(1.0)
+            distance.is_finite() && distance <= NEAR * a.abs().max(b.abs()).max(SMALL)
         };
         match self {
             // Both infinite: neither limits anything.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use blocksim_block::schedule::Steady;
 use blocksim_sim::{Rest, SimError, Simulation};
 use blocksim_tests::{Run, compile_text, run, run_text, schedule};
 
@@ -507,5 +508,36 @@ fn a_place_that_is_measured_goes_with_what_it_measures() {
         let [found, settled] = [steady.column(path)[0], run.last(path)];
         assert!((found - expected).abs() < 1e-9, "{path}: {found}, not {expected}");
         assert!((settled - expected).abs() < 1e-4, "{path}: {settled}, not {expected}");
+    }
+}
+
+/// What moves at the start and on which nothing depends there, in the first order: a load that grows with the square of a speed, a
+/// friction of the third power, a dead zone, a tank that runs empty, a mass above its stop. Each comes to rest elsewhere.
+#[test]
+fn what_acts_only_away_from_the_start_is_no_state_on_which_nothing_depends() {
+    let models = [
+        (
+            r#""m": ConstantTorque(tau: "5 N*m"), "j": Inertia(j: "0.5 kg*m^2"), "load": QuadraticLoad(torque: "5 N*m", speed: "100 rad/s"),
+               "h": RotationalReference, "e": MotionSensor"#,
+            r#""m.r <-> j.r <-> load.r <-> e.r", "m.c <-> load.c <-> e.c <-> h.r", "e.w -> s.u""#,
+            100.0,
+        ),
+        (r#""o": OdeSystem(law: "v' = 9.81 - 0.1*v^3", start: {})"#, r#""o.v -> s.u""#, 98.1_f64.cbrt()),
+        (
+            r#""i": Integrator, "dz": DeadZone(start: -0.5, end: 0.5), "c": Constant(value: 1), "e": Sum(signs: "+-"), "g": Gain(k: 2)"#,
+            r#""c.y -> e.u1", "dz.y -> g.u", "g.y -> e.u2", "e.y -> i.u", "i.y -> dz.u, s.u""#,
+            1.0,
+        ),
+    ];
+    for (blocks, connections, expected) in models {
+        let text = format!(
+            r#"Diagram(simulation: (stop_time: "1 s"), blocks: {{ {blocks}, "s": Scope }}, connections: [{connections}])"#
+        );
+        let (compiled, problems) = compile_text(&text);
+        let schedule = compiled.schedule.unwrap_or_else(|| panic!("{problems}"));
+        let mut simulation = Simulation::new(Arc::new(schedule)).expect("a simulation");
+        simulation.seek_rest(&Steady::default(), false, &mut || true).expect("a rest");
+        let found = simulation.signals()[simulation.schedule().recorded[0].cell];
+        assert!((found - expected).abs() < 1e-6 * expected, "{found}, not {expected}: {blocks}");
     }
 }

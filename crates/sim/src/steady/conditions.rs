@@ -53,6 +53,8 @@ pub(super) struct Conditions<'s> {
     pub names: Vec<String>,
     /// Unknowns that may go on moving if nothing depends on them.
     pub may_drift: Vec<bool>,
+    /// Those of which blocks say so.
+    pub drifts: Vec<bool>,
     /// Unknowns that stay as they are, whatever their equations say.
     pub fixed: Vec<bool>,
     signals: Vec<f64>,
@@ -70,10 +72,11 @@ impl<'s> Conditions<'s> {
         let n = schedule.states;
         let mut names = state_names(&schedule);
         let mut rates = vec![1.0; n];
-        let mut may_drift = vec![!strict; n];
+        let mut drifts = vec![false; n];
         for block in &schedule.blocks {
-            block.interface.drifting.iter().for_each(|state| may_drift[block.x + state] = true);
+            block.interface.drifting.iter().for_each(|state| drifts[block.x + state] = true);
         }
+        let mut may_drift: Vec<bool> = drifts.iter().map(|drifts| *drifts || !strict).collect();
         let memories = memories(&schedule, &mut simulation.diagram);
         let is_memory = |block: usize| memories.iter().any(|memory| memory.block == block);
         let mut sampled = Vec::new();
@@ -98,6 +101,7 @@ impl<'s> Conditions<'s> {
             rates.extend(memory.y.clone().map(|_| FAST));
         }
         may_drift.resize(names.len(), !strict);
+        drifts.resize(names.len(), false);
         let mut fixed = vec![false; names.len()];
         for (name, fixed) in names.iter().zip(&mut fixed) {
             *fixed = asked.drift.iter().any(|owner| is_part_of(name, owner));
@@ -124,6 +128,7 @@ impl<'s> Conditions<'s> {
             rates,
             names,
             may_drift,
+            drifts,
             fixed,
             signals: simulation.diagram.signals.clone(),
             d: simulation.diagram.d.clone(),

@@ -22,6 +22,8 @@ const RELEASE: usize = 12;
 const LED: f64 = 1e-6;
 /// Unknowns above which that is not looked at, as it takes the cube of their number.
 const MANY: usize = 500;
+/// Where it is looked whether something depends on an unknown, in parts of its size.
+const PROBES: [f64; 10] = [1e3, -1e3, 30.0, -30.0, 1.0, -1.0, 0.1, -0.1, 1e-3, -1e-3];
 /// Longest step of the time that is let pass, s.
 const ETERNITY: f64 = 1e9;
 
@@ -145,6 +147,10 @@ impl<'s, 'g> Search<'s, 'g> {
                 if let Some(next) = next.filter(|_| goes_on) {
                     z = next;
                 } else if !self.conditions.settle(&mut z)? {
+                    if self.binds(&z, &slopes)? {
+                        slopes = self.slopes(&z)?;
+                        continue;
+                    }
                     if self.lead(&mut z, &slopes) {
                         self.conditions.settle(&mut z)?;
                     }
@@ -160,6 +166,50 @@ impl<'s, 'g> Search<'s, 'g> {
         }
         self.conditions.evaluate(&z, &mut self.rest)?;
         Ok(Err(self.lost(&slopes)))
+    }
+
+    /// Whether something depends on what moves all the same, though not in the first order: a load that grows with the square of a speed does
+    /// not depend on it at rest, and a stop not on the place of what is above it. What does must rest as well, from here on.
+    fn binds(&mut self, z: &[f64], slopes: &Slopes) -> Result<bool, Failure> {
+        let paired = self.conditions.paired();
+        let rest = self.rest.clone();
+        let moves = |i: &usize| rest[*i].abs() * self.conditions.rates[*i] > HOLDS * slopes.sizes[*i];
+        let idle: Vec<usize> = slopes.idle.iter().map(|(i, _)| *i).collect();
+        if !idle.iter().any(|i| moves(i) && !self.conditions.drifts[*i]) {
+            return Ok(false);
+        }
+        let kept = self.conditions.keep();
+        // Which equations change with which of them, anywhere near.
+        let mut acts = vec![vec![false; paired]; idle.len()];
+        for (acts, &i) in acts.iter_mut().zip(&idle) {
+            for part in PROBES {
+                self.conditions.recall(&kept);
+                let mut beside = z.to_vec();
+                beside[i] += part * slopes.sizes[i];
+                if self.conditions.settle(&mut beside).is_err() || self.try_at(&beside).is_none() {
+                    continue;
+                }
+                for ((acts, here), there) in acts.iter_mut().zip(&rest).zip(&self.rest) {
+                    *acts |= (here - there).abs() > HOLDS * here.abs().max(there.abs());
+                }
+            }
+        }
+        self.conditions.recall(&kept);
+        self.conditions.settle(&mut z.to_vec())?;
+        self.conditions.evaluate(z, &mut self.rest)?;
+        let mut needed = slopes.needed.clone();
+        idle.iter().for_each(|&i| needed[i] = true);
+        while let Some(free) = idle
+            .iter()
+            .zip(&acts)
+            .find(|(i, acts)| needed[**i] && acts.iter().enumerate().all(|(row, acts)| !needed[row] || !acts))
+        {
+            needed[*free.0] = false;
+        }
+        let bound: Vec<usize> =
+            idle.into_iter().filter(|&i| needed[i] && !self.conditions.drifts[i]).collect();
+        bound.iter().for_each(|&i| self.conditions.may_drift[i] = false);
+        Ok(!bound.is_empty())
     }
 
     /// Brings what nothing depends on to where the others have led it: a place that is measured beside a spring has gone with the
