@@ -541,3 +541,31 @@ fn what_acts_only_away_from_the_start_is_no_state_on_which_nothing_depends() {
         assert!((found - expected).abs() < 1e-6 * expected, "{found}, not {expected}: {blocks}");
     }
 }
+
+/// States that are small in SI units go all the way: the current of a junction, a volume that runs out by a root, and the same from below.
+/// `V = R i + n vT ln(1 + i / i_s)` and `u = k sqrt(x)`.
+#[test]
+fn small_states_come_to_their_own_rest() {
+    let law = |law: &str, start: f64| {
+        let text = diagram(
+            "",
+            &format!(r#""o": OdeSystem(law: "{law}", start: {{"x": "{start:?}"}}), "s": Scope"#),
+            r#""o.x -> s.u""#,
+        );
+        stays(&text, 1e-9).column("s.u")[0]
+    };
+    for (u, k, start) in [(1e-9_f64, 1e-3, 3e-11), (1e-9, 1e-3, 1e-13), (2e-7, 1e-1, 1e-9)] {
+        let (found, expected) = (law(&format!("x' = {u:?} - {k:?}*sqrt(x)"), start), (u / k).powi(2));
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found}, not {expected}");
+    }
+    // Of 0.5 V: by bisection.
+    let (mut low, mut high) = (0.0_f64, 1e-3_f64);
+    for _ in 0..200 {
+        let middle = (low + high) / 2.0;
+        if 1e3 * middle + 0.025 * (middle / 1e-14).ln_1p() < 0.5 { low = middle } else { high = middle }
+    }
+    for start in [0.0, 1e-9, 1e-4] {
+        let found = law("x' = (0.5 - 1000*x - 0.025*ln(1 + x/1e-14))/0.001", start);
+        assert!((found / low - 1.0).abs() < 1e-6, "{found}, not {low}");
+    }
+}

@@ -15,6 +15,11 @@ const AT_ONCE: f64 = 10.0;
 const HOLDS: f64 = 1e-9;
 /// A step that leaves over less than this part is not held back: the equations are linear on the way.
 const LINEAR: f64 = 1e-6;
+/// Steps of what counts as being at rest by its size in SI units, and is not by its own.
+const PATIENCE: usize = 40;
+/// A step of this part of an unknown is one, if it is more than rounding of the smallest that is looked at.
+const FARTHER: f64 = 1e-6;
+const SMALLEST: f64 = 1e-9;
 /// Times that the model is let go, and steps of each.
 const RELEASES: usize = 24;
 const RELEASE: usize = 12;
@@ -130,6 +135,7 @@ impl<'s, 'g> Search<'s, 'g> {
         if self.begin.is_none() {
             self.begin = Some((z.clone(), slopes.led(self.conditions.states())));
         }
+        let mut patience = PATIENCE;
         for _ in 0..STEPS {
             let now = slopes.norm(&self.rest);
             let worst = slopes.worst(&self.rest);
@@ -143,9 +149,16 @@ impl<'s, 'g> Search<'s, 'g> {
                     None => f64::INFINITY,
                 };
                 let goes_on = left < 0.5 * now
-                    || left < now && step.is_some_and(|step| self.falls_short(&z, &step, &slopes, &rest));
+                    || left < now
+                        && step.as_ref().is_some_and(|step| self.falls_short(&z, step, &slopes, &rest));
+                // What is small, as volumes and leakage currents are, may still have a long way to go.
+                let far = step.filter(|step| !goes_on && patience > 0 && is_far(&z, step));
                 if let Some(next) = next.filter(|_| goes_on) {
                     z = next;
+                } else if let Some(next) = far.and_then(|step| self.along(&z, &step, &slopes, now)) {
+                    patience -= 1;
+                    z = next;
+                    self.conditions.settle(&mut z)?;
                 } else if !self.conditions.settle(&mut z)? {
                     if self.binds(&z, &slopes)? {
                         slopes = self.slopes(&z)?;
@@ -473,6 +486,11 @@ impl Slopes {
     fn norm(&self, rest: &[f64]) -> f64 {
         self.parts(rest).map(|part| part * part).sum::<f64>().sqrt()
     }
+}
+
+/// Whether a step changes some unknown by more than its last digits.
+fn is_far(z: &[f64], step: &[f64]) -> bool {
+    z.iter().zip(step).any(|(z, step)| step.abs() > FARTHER * z.abs().max(SMALLEST))
 }
 
 fn moved(z: &[f64], step: &[f64], part: f64) -> Vec<f64> {
