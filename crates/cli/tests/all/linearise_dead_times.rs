@@ -154,3 +154,26 @@ fn a_model_without_signals_has_its_poles_and_with_dead_times_the_number_of_those
         "{text}"
     );
 }
+
+/// `(s - 1) / (s + 1)` before `2 / (s - 1)`: the loop gain is that of a lag, and what it leaves out grows with `e^t`.
+#[test]
+fn a_pole_that_a_loop_does_not_see_is_named_if_it_grows() {
+    let desk = Desk::new("unseen");
+    for (c, expected) in [
+        (
+            "-1.0",
+            "stable, but the model is not: a pole at 1.000, which the loop does not reach or does not see",
+        ),
+        ("3.0", "not stable: a pole at"),
+    ] {
+        let text = format!(
+            r#"Diagram(simulation: (stop_time: "1 s"), blocks: {{ "r": Constant(value: 0.0), "e": Sum(signs: "+-"),
+                "c": TransferFunction(num: [1.0, {c}], den: [1.0, 1.0]), "p": TransferFunction(num: [0.2], den: [1.0, -1.0]) }},
+                connections: ["r.y -> e.u1", "p.y -> e.u2", "e.y -> c.u", "c.y -> p.u"])"#
+        );
+        std::fs::write(desk.0.join("unseen.ron"), text).unwrap();
+        let found = desk.linearise(&["unseen.ron", "--no-plot", "--open", "e.y"]);
+        let found = String::from_utf8_lossy(&found.stdout).into_owned();
+        assert!(found.contains(expected), "{found}");
+    }
+}

@@ -73,6 +73,7 @@ fn of_way(way: &Way, to: &str) -> Value {
             "closed_poles": margins.closed.iter().map(complex).collect::<Vec<_>>(),
             "growing": margins.growing,
             "stable": margins.stable,
+            "unseen_pole": way.unseen.as_ref().map(complex),
         })
     });
     let dead = match &way.law {

@@ -27,6 +27,9 @@ pub struct Way {
     pub step: Option<StepInfo>,
     /// Of a loop: how far it is from its border.
     pub margins: Option<Margins>,
+    /// Of a loop: the pole of the model with this loop closed that grows fastest, where none of the loop itself does. What it belongs to the
+    /// loop does not reach or does not see.
+    pub unseen: Option<Complex<f64>>,
     /// rad/s.
     pub frequencies: Vec<f64>,
     /// At each frequency.
@@ -175,6 +178,7 @@ fn dead_way(delayed: Delayed, is_loop: bool) -> Result<Way, LinearError> {
         bandwidth: if is_stable { bandwidth_delayed(&delayed)? } else { None },
         step: None,
         margins: if is_loop { Some(margins_delayed(&delayed)?) } else { None },
+        unseen: None,
         response,
         frequencies,
         zeros: passes.then(Vec::new),
@@ -189,6 +193,10 @@ fn way(linearised: &Linearised, output: usize, is_loop: bool) -> Result<Way, Lin
     let poles = poles(&channel.a)?;
     let zeros = zeros(&channel)?;
     let margins = if is_loop { Some(margins(&channel)?) } else { None };
+    let unseen = match &margins {
+        Some(margins) if margins.stable => unseen(&linearised.system.channel(0, output))?,
+        _ => None,
+    };
     let closed = margins.iter().flat_map(|margins| &margins.closed);
     let all: Vec<Complex<f64>> = poles.iter().chain(closed).copied().collect();
     let frequencies = frequencies(&all, zeros.as_deref().unwrap_or_default(), period);
@@ -199,12 +207,29 @@ fn way(linearised: &Linearised, output: usize, is_loop: bool) -> Result<Way, Lin
         bandwidth: if is_stable(&poles, period) && !is_loop { bandwidth(&channel)? } else { None },
         step: if is_loop { None } else { step_info(&channel)? },
         margins,
+        unseen,
         response: frequencies.iter().map(|&w| response.at(w)).collect(),
         frequencies,
         zeros,
         reduction: error,
         law: Law::Rational(channel),
     })
+}
+
+/// Growth of a pole, as a part of its size or of the unit circle, that no slope makes up.
+const GROWS: f64 = 1e-4;
+
+/// The pole of a system whose loop through a channel is closed that grows fastest, if one does for sure.
+fn unseen(channel: &Channel) -> Result<Option<Complex<f64>>, LinearError> {
+    let Some(closed) = channel.closed() else { return Ok(None) };
+    let all = poles(&closed.a)?;
+    let fastest = all.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    let growth = |pole: &Complex<f64>| match closed.period {
+        Some(_) => pole.norm() - 1.0 - GROWS,
+        None => pole.re - GROWS * pole.norm().max(GROWS * fastest),
+    };
+    let grows = all.into_iter().filter(|pole| growth(pole) > 0.0);
+    Ok(grows.max_by(|a, b| growth(a).total_cmp(&growth(b))))
 }
 
 /// Magnitudes in dB.

@@ -216,7 +216,7 @@ fn of_way(found: &Found, way: &Way, output: usize) -> String {
         facts.row(["step", &step]);
     }
     if let Some(margins) = &way.margins {
-        of_margins(&mut facts, margins, way.period().is_some());
+        of_margins(&mut facts, margins, way);
     }
     text.push_str(&facts.render());
     text
@@ -309,7 +309,8 @@ fn worst(margins: &Margins, is_sampled: bool) -> Option<Complex<f64>> {
     margins.closed.iter().copied().max_by(|a, b| growth(a).total_cmp(&growth(b)))
 }
 
-fn of_margins(facts: &mut Table, margins: &Margins, is_sampled: bool) {
+fn of_margins(facts: &mut Table, margins: &Margins, way: &Way) {
+    let is_sampled = way.period().is_some();
     let none = |what: &str| format!("infinite, the {what} is nowhere");
     let at = |margin: Margin, value: String| format!("{value} at {}", frequency(margin.frequency));
     let gain = margins.least_gain().map_or(none("phase of -180 deg"), |margin| {
@@ -333,7 +334,12 @@ fn of_margins(facts: &mut Table, margins: &Margins, is_sampled: bool) {
     let peak = margins.sensitivity;
     facts.row(["sensitivity", &at(peak, format!("up to {}", significant(peak.value, 4)))]);
     let closed = match margins.stable {
-        true => "stable".to_owned(),
+        true => way.unseen.map_or("stable".to_owned(), |pole| {
+            format!(
+                "stable, but the model is not: a pole at {}, which the loop does not reach or does not see",
+                complex(pole)
+            )
+        }),
         false => match (margins.growing, worst(margins, is_sampled)) {
             (Some(1), _) => "not stable: a pole grows".to_owned(),
             (Some(count), _) => format!("not stable: {count} poles grow"),
