@@ -234,7 +234,6 @@ fn values_that_are_no_numbers_and_times_that_differ_are_told() {
         q       DIFFERS       -infinite deg     0.4                   0.4   4.00000  -infinite        0
 
         1 of 1 signal does not agree
-        they differ by rounding alone, as units and times bring it; `--rel 1e-9` allows that
         exit code 1
 
         all_nan.csv
