@@ -13,6 +13,10 @@ const SMALL: [f64; 4] = [f64::EPSILON, 1e-14, 1e-13, 1e-12];
 /// Of a singular matrix, eigenvalues below this part of the largest are zero.
 const SPREAD: f64 = 1e-7;
 
+/// By how much a slow pole may differ in other coordinates, and what rounding leaves of one in any.
+const SAME: f64 = 1e-3;
+const LOST: f64 = 1e-13;
+
 /// Poles of sampled systems this near to 1 are integrators.
 pub(crate) const INTEGRATES: f64 = 1e-11;
 
@@ -83,8 +87,22 @@ fn of_part(a: DMatrix<f64>) -> Result<Vec<Complex<f64>>, LinearError> {
     // Several integrators in a row are one eigenvalue, which rounding spreads to the root of its size and more.
     let largest = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     let near_zero = |pole: &Complex<f64>| pole.norm() <= SPREAD * largest;
-    if largest > 0.0 && poles.iter().any(near_zero) && is_singular(a) {
-        poles.iter_mut().filter(|pole| near_zero(pole)).for_each(|pole| *pole = Complex::new(0.0, 0.0));
+    if largest > 0.0 && poles.iter().any(near_zero) && is_singular(a.clone()) {
+        // A slow pole is the same in other coordinates, what rounding has made of a zero is not.
+        let again =
+            Schur::try_new(turned(&a), f64::EPSILON, ROUNDS * n).map(|schur| schur.complex_eigenvalues());
+        let is_slow = |pole: &Complex<f64>| {
+            let same = |other: &Complex<f64>| (pole - other).norm() <= SAME * pole.norm();
+            pole.norm() > LOST * largest && again.as_ref().is_some_and(|again| again.iter().any(same))
+        };
+        let rounded = poles.iter_mut().filter(|pole| near_zero(pole) && !is_slow(pole));
+        rounded.for_each(|pole| *pole = Complex::new(0.0, 0.0));
+        // One is zero in any case.
+        if poles.iter().all(|pole| pole.norm() > 0.0)
+            && let Some(least) = poles.iter_mut().min_by(|a, b| a.norm().total_cmp(&b.norm()))
+        {
+            *least = Complex::new(0.0, 0.0);
+        }
     }
     Ok(poles)
 }
@@ -185,6 +203,38 @@ mod tests {
         // Electrical and mechanical poles of a drive with an integrator: 0, -3, -2e4.
         let system = transfer(&[1.0], &[1.0, 20003.0, 60000.0, 0.0]);
         near(&poles(&system.a).unwrap(), &[(0.0, 0.0), (-3.0, 0.0), (-2e4, 0.0)], 1e-10);
+    }
+
+    /// Heat that is kept between bodies of 1 mJ/K, 1 J/K and 100 J/K, and two of them twice: the slow poles are no zeros.
+    #[test]
+    fn slow_poles_beside_an_integrator_and_fast_ones_are_no_integrators() {
+        let chain = |capacities: &[f64], conductances: &[f64]| {
+            let n = capacities.len();
+            DMatrix::from_fn(n, n, |i, j| {
+                let g = |k: usize| conductances.get(k).copied().unwrap_or(0.0);
+                let own = if i > 0 { g(i - 1) } else { 0.0 } + g(i);
+                let value = match () {
+                    () if i == j => -own,
+                    () if i == j + 1 => g(j),
+                    () if j == i + 1 => g(i),
+                    () => 0.0,
+                };
+                value / capacities[i]
+            })
+        };
+        for (c, g) in [
+            (vec![1e-3, 1.0, 100.0], vec![100.0, 1e-3]),
+            (vec![1e-3, 1.0, 100.0], vec![100.0, 0.1]),
+            (vec![1e-3, 2.0, 1e-3, 50.0], vec![100.0, 1e-3, 200.0]),
+        ] {
+            let found = poles(&chain(&c, &g)).unwrap();
+            assert_eq!(found[0].norm(), 0.0, "{found:?}");
+            // Bodies that are one for slow heat: both sides of the weakest wall.
+            let weak = (0..g.len()).min_by(|a, b| g[*a].total_cmp(&g[*b])).unwrap();
+            let [left, right]: [f64; 2] = [c[..=weak].iter().sum(), c[weak + 1..].iter().sum()];
+            let slow = -g[weak] * (1.0 / left + 1.0 / right);
+            assert!((found[1].re / slow - 1.0).abs() < 0.02, "{found:?}, not {slow}");
+        }
     }
 
     #[test]
