@@ -140,7 +140,8 @@ pub trait Block: Any + Debug + Send + Sync {
     fn remember(&self, _c: &Context, _piece: &Piece, _d: &mut [f64]) {}
 
     /// After `accept`: what comes out of the memory from `c.t` on may do so now. Until then the block gives what it gave just
-    /// before, so that who looks at the end of a step sees nothing of a jump there. Only when the interface says `remembers`.
+    /// before, so that who looks at the end of a step sees nothing of a jump there. Where an output reads an input directly, such as a delay
+    /// that may jump, also just before `outputs` at a major step. Only when the interface says `remembers`.
     fn reach(&self, _c: &Context, _d: &mut [f64]) {}
 
     /// The next time after `c.t` at which a derivative of an output jumps, though the output does not. It is hit exactly, but

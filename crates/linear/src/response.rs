@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn what_swings_without_damping_has_a_static_gain() {
-        // 1 / (1 + s^2) and two of them in a row.
+        // 1 / (s^2 + 4), and with (s^2 + 9) behind it.
         for (denominator, gain) in
             [(vec![1.0, 0.0, 4.0], 0.25), (vec![1.0, 0.0, 13.0, 0.0, 36.0], 1.0 / 36.0)]
         {

@@ -569,3 +569,18 @@ fn small_states_come_to_their_own_rest() {
         assert!((found / low - 1.0).abs() < 1e-6, "{found}, not {low}");
     }
 }
+
+/// The angle of a shaft that turns steadily has no value of its own: it begins where it is written, and so does what is measured of it.
+#[test]
+fn the_angle_of_a_turning_shaft_begins_as_it_is_written() {
+    let text = diagram(
+        "",
+        r#""m": ConstantTorque(tau: "4 N*m"), "j": Inertia(j: "0.5 kg*m^2"), "d": RotationalDamper(d: "0.2 N*m*s/rad"),
+           "h": RotationalReference, "e": MotionSensor, "speed": Scope, "angle": Scope"#,
+        r#""m.r <-> j.r <-> d.r <-> e.r", "m.c <-> d.c <-> e.c <-> h.r", "e.w -> speed.u", "e.phi -> angle.u""#,
+    );
+    let run = run_text(&text);
+    assert!((run.column("speed.u")[0] - 20.0).abs() < 1e-9, "{}", run.column("speed.u")[0]);
+    assert_eq!(run.column("angle.u")[0], 0.0);
+    assert!((run.last("angle.u") - 200.0).abs() < 1e-4, "{}", run.last("angle.u"));
+}

@@ -27,8 +27,9 @@ pub struct Delay {
     /// Output during the first samples, in the unit of the input.
     #[block(finite, default = 0.0)]
     pub x0: f64,
-    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the memory back: `None` (there is no such input),
-    /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
+    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the memory back:
+    /// `None` (there is no such input), `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which
+    /// the input is true or positive.
     #[block(default = Reset::None)]
     pub reset: Reset,
 }

@@ -25,8 +25,9 @@ pub struct DiscreteDerivative {
     /// Input before the first sample, in the unit of the input.
     #[block(finite, default = 0.0)]
     pub x0: f64,
-    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the state back: `None` (there is no such input),
-    /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
+    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the state back: `None`
+    /// (there is no such input), `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the
+    /// input is true or positive.
     #[block(default = Reset::None)]
     pub reset: Reset,
 }

@@ -42,8 +42,9 @@ pub struct DiscreteIntegrator {
     /// Upper limit of the output.
     #[block(above = f64::NEG_INFINITY, above = lower, default = None)]
     pub upper: Option<f64>,
-    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the state back: `None` (there is no such input),
-    /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
+    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the state back: `None`
+    /// (there is no such input), `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the
+    /// input is true or positive.
     #[block(default = Reset::None)]
     pub reset: Reset,
 }

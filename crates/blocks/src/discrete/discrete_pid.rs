@@ -36,9 +36,9 @@ pub struct DiscretePid {
     /// Method of the derivative filter: `ForwardEuler`, `BackwardEuler`, `Trapezoidal`.
     #[block(default = Method::ForwardEuler)]
     pub filter: Method,
-    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the integral part back to `x0` and
-    /// the filter to `d0`: `None` (there is no such input),
-    /// `Rising`, `Falling`, `Either`; with `Level` it is done at each sample at which the input is true or positive.
+    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the integral part back
+    /// to `x0` and the filter to `d0`: `None` (there is no such input), `Rising`, `Falling`, `Either`; with `Level` it is
+    /// done at each sample at which the input is true or positive.
     #[block(default = Reset::None)]
     pub reset: Reset,
 }

@@ -37,9 +37,9 @@ pub struct DiscreteStateSpace {
     /// States at the start and after a reset; empty means zero.
     #[block(finite, default = Vec::new())]
     pub x0: Vec<f64>,
-    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the states back to `x0`: `None` (there is no such
-    /// input), `Rising`, `Falling`, `Either`; with `Level` they are set back at each sample at which the input is true or
-    /// positive.
+    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the states back to
+    /// `x0`: `None` (there is no such input), `Rising`, `Falling`, `Either`; with `Level` they are set back at each sample
+    /// at which the input is true or positive.
     #[block(default = Reset::None)]
     pub reset: Reset,
 }

@@ -38,8 +38,9 @@ pub struct DiscreteTransferFunction {
     /// All states at the start.
     #[block(finite, default = 0.0)]
     pub x0: f64,
-    /// What the extra input `reset` must do from one sample to the next, by its values there, to set all states back to `x0`: `None` (there is no such input),
-    /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
+    /// What the extra input `reset` must do from one sample to the next, by its values there, to set all states back to
+    /// `x0`: `None` (there is no such input), `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at
+    /// which the input is true or positive.
     #[block(default = Reset::None)]
     pub reset: Reset,
 }

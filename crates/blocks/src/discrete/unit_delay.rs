@@ -23,8 +23,9 @@ pub struct UnitDelay {
     /// Output at the first sample, in the unit of the input. A list gives each element its own.
     #[block(finite, default = 0.0.into())]
     pub x0: Entries,
-    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the state back: `None` (there is no such input),
-    /// `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the input is true or positive.
+    /// What the extra input `reset` must do from one sample to the next, by its values there, to set the state back: `None`
+    /// (there is no such input), `Rising`, `Falling`, `Either`; with `Level` it is set back at each sample at which the
+    /// input is true or positive.
     #[block(default = Reset::None)]
     pub reset: Reset,
 }

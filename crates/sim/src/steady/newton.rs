@@ -27,6 +27,8 @@ const RELEASE: usize = 12;
 const LED: f64 = 1e-6;
 /// Unknowns above which that is not looked at, as it takes the cube of their number.
 const MANY: usize = 500;
+/// Part of the size of an equation that is rounding, as a multiple of what holds.
+const ROUNDED: f64 = 1e-6;
 /// Where it is looked whether something depends on an unknown, in parts of its size.
 const PROBES: [f64; 10] = [1e3, -1e3, 30.0, -30.0, 1.0, -1.0, 0.1, -0.1, 1e-3, -1e-3];
 /// Longest step of the time that is let pass, s.
@@ -160,11 +162,11 @@ impl<'s, 'g> Search<'s, 'g> {
                     z = next;
                     self.conditions.settle(&mut z)?;
                 } else if !self.conditions.settle(&mut z)? {
-                    if self.binds(&z, &slopes)? {
+                    if self.binds(&z, &slopes, &rest)? {
                         slopes = self.slopes(&z)?;
                         continue;
                     }
-                    if self.lead(&mut z, &slopes) {
+                    if self.lead(&mut z, &slopes, &rest) {
                         self.conditions.settle(&mut z)?;
                     }
                     self.conditions.evaluate(&z, &mut self.rest)?;
@@ -183,9 +185,9 @@ impl<'s, 'g> Search<'s, 'g> {
 
     /// Whether something depends on what moves all the same, though not in the first order: a load that grows with the square of a speed does
     /// not depend on it at rest, and a stop not on the place of what is above it. What does must rest as well, from here on.
-    fn binds(&mut self, z: &[f64], slopes: &Slopes) -> Result<bool, Failure> {
+    /// `rest` is what the equations leave over at `z`.
+    fn binds(&mut self, z: &[f64], slopes: &Slopes, rest: &[f64]) -> Result<bool, Failure> {
         let paired = self.conditions.paired();
-        let rest = self.rest.clone();
         let moves = |i: &usize| rest[*i].abs() * self.conditions.rates[*i] > HOLDS * slopes.sizes[*i];
         let idle: Vec<usize> = slopes.idle.iter().map(|(i, _)| *i).collect();
         if !idle.iter().any(|i| moves(i) && !self.conditions.drifts[*i]) {
@@ -202,8 +204,10 @@ impl<'s, 'g> Search<'s, 'g> {
                 if self.conditions.settle(&mut beside).is_err() || self.try_at(&beside).is_none() {
                     continue;
                 }
-                for ((acts, here), there) in acts.iter_mut().zip(&rest).zip(&self.rest) {
-                    *acts |= (here - there).abs() > HOLDS * here.abs().max(there.abs());
+                let pairs = rest.iter().zip(&self.rest).zip(&slopes.scale);
+                for (acts, ((here, there), scale)) in acts.iter_mut().zip(pairs) {
+                    // What holds is rounding, which may be another one there.
+                    *acts |= (here - there).abs() > HOLDS * here.abs().max(there.abs()).max(ROUNDED * scale);
                 }
             }
         }
@@ -228,11 +232,15 @@ impl<'s, 'g> Search<'s, 'g> {
     /// Brings what nothing depends on to where the others have led it: a place that is measured beside a spring has gone with the
     /// spring. Only where their rates are bound at both ends of the way in the same manner, as those of one place are. Whether anything
     /// has moved.
-    fn lead(&self, z: &mut [f64], slopes: &Slopes) -> bool {
+    fn lead(&self, z: &mut [f64], slopes: &Slopes, rest: &[f64]) -> bool {
         let Some((begin, led)) = &self.begin else { return false };
         let before = z.to_vec();
         let now = slopes.led(self.conditions.states());
         for (own, factors) in led {
+            // What goes on moving has no place of its own: the angle of a shaft that turns stays as it is written.
+            if rest[*own].abs() > HOLDS * slopes.sizes[*own] {
+                continue;
+            }
             let Some((_, others)) = now.iter().find(|(other, _)| other == own) else { continue };
             let largest =
                 factors.iter().chain(others).fold(0.0, |most: f64, (_, factor)| most.max(factor.abs()));
