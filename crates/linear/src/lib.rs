@@ -42,7 +42,7 @@ pub use margins::{Margin, Margins, bandwidth, bandwidth_delayed, is_at_border, m
 pub use minimal::{Reduced, minimal, reduced};
 pub use nalgebra::Complex;
 pub use nalgebra::DMatrix;
-pub use poles::{Mode, is_stable, modes, poles};
+pub use poles::{Mode, is_stable, modes, poles, poles_by_part};
 pub use response::{Gain, Response, static_gain};
 pub use system::{Channel, StateSpace};
 pub use transition::{Instant, NODES, transition};

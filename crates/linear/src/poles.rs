@@ -39,17 +39,30 @@ pub struct Mode {
 /// # Errors
 /// [`LinearError::NotFinite`], [`LinearError::NoConvergence`].
 pub fn poles(a: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, LinearError> {
+    Ok(poles_by_part(a)?.into_iter().map(|(pole, _)| pole).collect())
+}
+
+/// The same, each with the size of the fastest pole that its part of the matrix has: rounding moves it by some last digits of that.
+/// Zero for a state that no circle leads back to, whose eigenvalue is an entry of the matrix.
+///
+/// # Errors
+/// As [`poles`].
+pub fn poles_by_part(a: &DMatrix<f64>) -> Result<Vec<(Complex<f64>, f64)>, LinearError> {
     if a.iter().any(|value| !value.is_finite()) {
         return Err(LinearError::NotFinite("A"));
     }
     let mut poles = Vec::with_capacity(a.nrows());
     for part in parts(a) {
         match part[..] {
-            [one] => poles.push(Complex::new(a[(one, one)], 0.0)),
-            _ => poles.extend(of_part(a.select_rows(&part).select_columns(&part))?),
+            [one] => poles.push((Complex::new(a[(one, one)], 0.0), 0.0)),
+            _ => {
+                let own = of_part(a.select_rows(&part).select_columns(&part))?;
+                let fastest = own.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+                poles.extend(own.into_iter().map(|pole| (pole, fastest)));
+            }
         }
     }
-    poles.sort_by(|a, b| {
+    poles.sort_by(|(a, _), (b, _)| {
         let (size_a, size_b) = (a.norm(), b.norm());
         // Two of a pair differ in their last digit.
         let order = if (size_a - size_b).abs() <= 1e-12 * size_a.max(size_b) {

@@ -594,3 +594,41 @@ fn contacts_tie_states_together_from_hit_to_hit() {
         }
     }
 }
+
+/// A lag of 0.1 ns into one of 2e5 s that grows or dies out, and an integrator behind it, which is read where `back` is not zero.
+const UNREAD: &str = r#"Diagram(
+    parameters: { "pole": -1.0, "back": 0.0 },
+    simulation: (stop_time: "1 s"),
+    blocks: {
+        "set": Constant(value: 0), "fast": LowPass(tau: "0.1 ns"),
+        "slow": OdeSystem(law: "z' = 5e-6*pole*z + u", start: { "z": 1 }, parameters: { "pole": "pole" }),
+        "place": Integrator, "back": Gain(k: "back"), "both": Sum(signs: "++"), "scope": Scope,
+    },
+    connections: [
+        "set.y -> fast.u", "fast.y -> both.u1", "place.y -> back.u, scope.u", "back.y -> both.u2", "both.y -> slow.u", "slow.z -> place.u",
+    ],
+)
+"#;
+
+#[test]
+fn what_nothing_reads_does_not_decide_on_stability_nor_what_is_fast_elsewhere() {
+    let desk = Desk::new("unread");
+    std::fs::write(desk.0.join("apart.ron"), UNREAD).unwrap();
+    let words = |set: &[&str]| {
+        let words: Vec<&str> =
+            ["apart.ron"].into_iter().chain(set.iter().flat_map(|set| ["--set", set])).collect();
+        let output = linearise(&desk.0, &words);
+        assert!(output.status.success(), "{}", said(&output));
+        String::from_utf8(output.stdout).unwrap().lines().last().unwrap().to_owned()
+    };
+    let unread = "; `place.x` keeps what is added to it, and nothing else reads it";
+    assert_eq!(words(&[]), format!("stable{unread}"));
+    assert_eq!(words(&["pole=1"]), format!("not stable: what has a negative damping grows{unread}"));
+    // Read, it is part of it: s (s + 5e-6) = back.
+    assert_eq!(words(&["back=1e-3"]), "not stable: what has a negative damping grows");
+    assert_eq!(
+        words(&["pole=0"]),
+        format!("at the border of stability: what has an infinite time constant stays{unread}")
+    );
+    assert_eq!(desk.json(&["apart.ron"])["unread"], serde_json::json!(["place.x"]));
+}

@@ -42,6 +42,7 @@ pub fn json(found: &Found, with_curves: bool) -> Value {
         "dead_times": system.dead.iter().map(|(path, time)| json!({ "path": path, "time": time })).collect::<Vec<_>>(),
         "growing": found.growing,
         "constant": found.constant,
+        "unread": found.unread,
         "following": system.following,
         "to": to.collect::<Vec<_>>(),
         "open": open.collect::<Vec<_>>(),

@@ -2,8 +2,8 @@
 
 use blocksim_linear::{
     Channel, Complex, Delayed, Gain, LinearError, Margins, Mode, Reduced, Response, StateSpace, StepInfo,
-    bandwidth, bandwidth_delayed, frequencies, is_stable, margins, margins_delayed, modes, poles, reduced,
-    static_gain, step_info, step_response, zeros,
+    bandwidth, bandwidth_delayed, frequencies, is_stable, margins, margins_delayed, modes, poles,
+    poles_by_part, reduced, static_gain, step_info, step_response, zeros,
 };
 
 use super::matrices::Linearised;
@@ -114,20 +114,47 @@ fn course_end(poles: &[Complex<f64>], period: Option<f64>) -> f64 {
     period.map_or(end, |period| end.max(20.0 * period))
 }
 
-/// All poles of the system, with those of no way, and the numbers of the states that nothing acts on: these are as constant as
-/// parameters, and no poles of the dynamics.
+/// All poles of a model.
+#[derive(Debug)]
+pub struct Whole {
+    /// Those of no way included, but for those of `constant`.
+    pub modes: Vec<Mode>,
+    /// States that nothing acts on, by number: they are as constant as parameters, and no poles of the dynamics.
+    pub constant: Vec<usize>,
+    /// States that keep what is added to them, and that nothing else reads.
+    pub unread: Vec<usize>,
+    /// Whether all others die out; `None` on the border.
+    pub is_stable: Option<bool>,
+}
+
+/// Part of the fastest pole that rounding leaves of one at zero.
+const ROUNDING: f64 = 1e-14;
+
+/// All poles of the system.
 ///
 /// # Errors
 /// If the eigenvalues cannot be computed.
-pub fn all_modes(linearised: &Linearised) -> Result<(Vec<Mode>, Vec<usize>), LinearError> {
+pub fn whole(linearised: &Linearised) -> Result<Whole, LinearError> {
     let StateSpace { a, b, period, .. } = &linearised.system;
     let n = a.nrows();
     let stays = if period.is_some() { 1.0 } else { 0.0 };
     let is_constant =
         |&i: &usize| b.row(i).amax() == 0.0 && (0..n).all(|j| a[(i, j)] == if i == j { stays } else { 0.0 });
     let (constant, moving): (Vec<usize>, Vec<usize>) = (0..n).partition(is_constant);
-    let own = a.select_rows(&moving).select_columns(&moving);
-    Ok((modes(&poles(&own)?, *period), constant))
+    let own = |states: &[usize]| a.select_rows(states).select_columns(states);
+    // Of several integrators in a row this is the last one alone: what the others keep, it adds up for ever.
+    let is_unread = |&j: &usize| (0..n).all(|i| a[(i, j)] == if i == j { stays } else { 0.0 });
+    let (unread, read): (Vec<usize>, Vec<usize>) = moving.iter().partition(|&j| is_unread(j));
+    let (deciding, fastest): (Vec<_>, Vec<_>) = poles_by_part(&own(&read))?.into_iter().unzip();
+    // 1/s: how fast each dies out; what is slower than rounding stays.
+    let rates = modes(&deciding, *period).into_iter().zip(fastest).map(|(mode, fastest)| {
+        let least = ROUNDING * period.map_or(fastest, f64::recip);
+        Some(mode.time_constant.recip()).filter(|rate| rate.abs() > least)
+    });
+    let rates: Vec<Option<f64>> = rates.collect();
+    let grows = rates.iter().flatten().any(|rate| *rate < 0.0);
+    let is_stable = if grows { Some(false) } else { rates.iter().all(Option::is_some).then_some(true) };
+    Ok(Whole { modes: modes(&poles(&own(&moving))?, *period), constant, unread, is_stable })
 }
 
 /// How many poles of a model with dead times grow, if that can be known.

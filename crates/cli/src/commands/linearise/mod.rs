@@ -17,7 +17,7 @@ use std::sync::Arc;
 use blocksim_block::schedule::Schedule;
 use blocksim_linear::{LinearError, Mode};
 
-use self::facts::{Law, Way, all_growing, all_modes, has_circle, ways};
+use self::facts::{Law, Way, Whole, all_growing, has_circle, ways, whole};
 use self::locus::Locus;
 use self::matrices::{Linearised, NoMatrices, Question};
 use self::point::Lost;
@@ -49,7 +49,11 @@ pub struct Found {
     pub linearised: Linearised,
     /// States that nothing acts on, by name.
     pub constant: Vec<String>,
-    /// All poles of the system, without those of these states.
+    /// States that keep what is added to them, and that nothing else reads, by name.
+    pub unread: Vec<String>,
+    /// Whether all poles but theirs die out; `None` on the border.
+    pub is_stable: Option<bool>,
+    /// All poles of the system, without those of the constant states.
     pub modes: Vec<Mode>,
     /// How many of infinitely many poles grow, where dead times are in a model of which nothing but poles is asked.
     pub growing: Option<usize>,
@@ -180,8 +184,10 @@ fn found(
         return Err(Failure::usage("the model has no states, and so no poles")
             .help("name a signal to begin at, --from, and some that answer, --to"));
     }
-    let (modes, constant) = all_modes(&linearised).map_err(wrong)?;
-    let constant = constant.into_iter().map(|state| linearised.names[state].clone()).collect();
+    let Whole { modes, constant, unread, is_stable } = whole(&linearised).map_err(wrong)?;
+    let named =
+        |states: Vec<usize>| states.into_iter().map(|state| linearised.names[state].clone()).collect();
+    let (constant, unread) = (named(constant), named(unread));
     let is_bare = question.from.is_none() && !linearised.dead.is_empty();
     let (growing, undecided) = match is_bare.then(|| all_growing(&linearised)).transpose() {
         Ok(growing) => (growing.flatten(), None),
@@ -204,6 +210,8 @@ fn found(
         adrift,
         linearised,
         constant,
+        unread,
+        is_stable,
         modes,
         growing,
         undecided,

@@ -14,8 +14,6 @@ use crate::terminal::format::{digits, short_time};
 const ROWS: usize = 24;
 /// Distance from the unit circle below which no measured slope tells on which side a pole is.
 const BORDER: f64 = 1e-6;
-/// Part of the fastest pole that rounding leaves of one at zero.
-const ROUNDING: f64 = 1e-14;
 /// Entries of other lists.
 const FEW: usize = 6;
 
@@ -257,15 +255,18 @@ fn of_model(found: &Found) -> String {
     }
     text.push_str(&poles(&found.modes, system.system.period.is_some()));
     if !is_circular {
-        let fastest = found.modes.iter().map(|mode| mode.frequency).fold(0.0, f64::max);
-        let moves = |mode: &Mode| mode.time_constant.abs().recip() > ROUNDING * fastest;
-        let is_stable = found.modes.iter().all(|mode| mode.time_constant >= 0.0 && moves(mode));
-        let grows = found.modes.iter().any(|mode| mode.time_constant < 0.0 && moves(mode));
-        text.push_str(match (is_stable, grows) {
-            (true, _) => "stable\n",
-            (_, true) => "not stable: what has a negative damping grows\n",
-            _ => "at the border of stability: what has an infinite time constant stays\n",
+        let stays = match found.unread.len() {
+            0 => String::new(),
+            1 => format!("; {} keeps what is added to it, and nothing else reads it", few(&found.unread)),
+            _ => format!("; {} keep what is added to them, and nothing else reads them", few(&found.unread)),
+        };
+        text.push_str(match found.is_stable {
+            Some(true) => "stable",
+            Some(false) => "not stable: what has a negative damping grows",
+            None => "at the border of stability: what has an infinite time constant stays",
         });
+        text.push_str(&stays);
+        text.push('\n');
     }
     text
 }
