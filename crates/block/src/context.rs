@@ -3,6 +3,8 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
+use crate::Resolution;
+
 /// Values of one block at one instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Context<'a> {
@@ -21,6 +23,8 @@ pub struct Context<'a> {
     /// Counts evaluations of the whole diagram. While it stays the same, what a block left in its scratch space is
     /// still valid.
     pub evaluation: u64,
+    /// Which times are meant to be equal.
+    pub resolution: Resolution,
     /// Seed of the run, for numbers that are random.
     pub seed: u64,
     /// Where to report that the block cannot go on.

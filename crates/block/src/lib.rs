@@ -27,6 +27,7 @@ pub mod problem;
 mod reading;
 mod registry;
 mod requirements;
+mod resolution;
 pub mod schedule;
 mod shapes;
 pub mod shell;
@@ -56,6 +57,7 @@ pub use piece::{NODES, Piece, derivatives, roughness, through};
 pub use ports::{CONDITION, Input, Output, PortType};
 pub use registry::{BlockInfo, Registered, kinds};
 pub use requirements::{Bound, Inspect, Requirement, Requirements};
+pub use resolution::Resolution;
 pub use shapes::Shapes;
 pub use symbol::{Curve, Symbol};
 

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use crate::law::BlockLaw;
 use crate::{
-    Block, BlockKind, Context, Fault, Given, Interface, NODES, ParamUnits, Piece, PortType, Scratch,
+    Block, BlockKind, Context, Fault, Given, Interface, NODES, ParamUnits, Piece, PortType, Resolution,
+    Scratch,
 };
 
 /// One block with its buffers.
@@ -120,6 +121,7 @@ impl Bench {
             inputs: &self.inputs,
             outputs: &self.outputs,
             evaluation: self.evaluation,
+            resolution: Resolution::default(),
             seed: 0,
             fault: &self.fault,
         }

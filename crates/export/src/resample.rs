@@ -47,10 +47,10 @@ pub fn resampled(
 fn on_grid(column: &Column, grid: &[f64], interpolates: bool) -> Vec<f64> {
     let series = Series::new(&column.time, &column.values);
     let between = if interpolates { Interpolation::Smooth } else { Interpolation::Hold };
-    let Some((first, _)) = series.span() else { return vec![f64::NAN; grid.len()] };
+    let Some((first, last)) = series.span() else { return vec![f64::NAN; grid.len()] };
     let value = |&t: &f64| {
         // A point that rounding has moved beside a value is at it.
-        let tolerance = 1e-12 * t.abs().max(1.0);
+        let tolerance = 1e-12 * t.abs().max((last - first).min(1.0));
         if t < first - tolerance {
             return f64::NAN;
         }

@@ -39,7 +39,18 @@ fn outputs_and_updates_do_not_allocate() {
     let (fault, mut scratch) = (Fault::default(), Scratch::default());
     let (mut d, mut y, mut u) = ([0.0; 3], [0.0], [0.0; 6]);
     fn context<'a>(u: &'a [f64], d: &'a [f64], inputs: &'a [(u32, u32)], fault: &'a Fault) -> Context<'a> {
-        Context { t: 0.0, x: &[], d, u, inputs, outputs: &[(0, 1)], evaluation: 0, seed: 0, fault }
+        Context {
+            t: 0.0,
+            x: &[],
+            d,
+            u,
+            inputs,
+            outputs: &[(0, 1)],
+            evaluation: 0,
+            resolution: blocksim_block::Resolution::default(),
+            seed: 0,
+            fault,
+        }
     }
     block.initialize(&context(&[], &[], &[], &fault), &mut [], &mut d);
     let before = COUNT.get();

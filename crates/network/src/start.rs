@@ -1,7 +1,7 @@
 //! What must hold before a network can run.
 
 use blocksim_block::physical::{Domain, Flowing};
-use blocksim_block::{Context, Fault};
+use blocksim_block::{Context, Fault, Resolution};
 use nalgebra::{DMatrix, DVector};
 
 use crate::assembly::domains::Nodal;
@@ -68,6 +68,7 @@ impl Network {
             inputs: &[],
             outputs: &[],
             evaluation: 0,
+            resolution: Resolution::default(),
             seed: 0,
             fault: &fault,
         };
@@ -192,6 +193,7 @@ impl Network {
             inputs: &[],
             outputs: &[],
             evaluation: 0,
+            resolution: Resolution::default(),
             seed: 0,
             fault: &fault,
         };

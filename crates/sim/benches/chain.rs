@@ -92,6 +92,7 @@ fn by_contract(blocks: &[Arc<dyn Block>], signals: &mut [f64], steps: usize) -> 
                 inputs: &ports,
                 outputs: &ports,
                 evaluation,
+                resolution: blocksim_block::Resolution::default(),
                 seed: 0,
                 fault: &fault,
             };

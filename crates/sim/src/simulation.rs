@@ -3,6 +3,8 @@
 use blocksim_block::problem::Problem;
 use std::sync::Arc;
 
+use blocksim_block::Resolution;
+
 use blocksim_block::schedule::{Instance, Schedule, Solver};
 use blocksim_solve::{Share, Stepper};
 
@@ -44,6 +46,8 @@ pub struct Simulation {
     pub(crate) stepper: Option<Box<dyn Stepper>>,
     pub(crate) t: f64,
     pub(crate) x: Vec<f64>,
+    /// Which times are meant to be equal.
+    pub(crate) resolution: Resolution,
     pub(crate) hits: Hits,
     pub(crate) guards: Guards,
     /// Which guards are those of kinks, and what repeats a step up to one.
@@ -179,10 +183,11 @@ impl Simulation {
         if !guards.is_empty() {
             diagram.looks = Looks::new(guards.len());
         }
+        let resolution = Resolution::new(schedule.settings.stop_time);
         let plan = &diagram.plan;
         let moves = schedule.states > 0 || !plan.continuous.is_empty() || is_fixed && plan.stepwise;
-        let grid = methods::grid(&schedule).filter(|_| moves).map(Grid::new);
-        let mut guards = Guards::new(guards, schedule.states);
+        let grid = methods::grid(&schedule).filter(|_| moves).map(|step| Grid::new(step, resolution));
+        let mut guards = Guards::new(guards, schedule.states, resolution);
         if !guards.is_empty() {
             let all = schedule.blocks.iter().flat_map(|block| &block.interface.guards);
             guards.kinks = all.map(|guard| guard.kink).collect();
@@ -192,7 +197,8 @@ impl Simulation {
         Ok(Self {
             stepper,
             t: 0.0,
-            hits: Hits::new(&schedule.clock),
+            hits: Hits::new(&schedule.clock, resolution),
+            resolution,
             guards,
             kinks: Kinks::new(&schedule),
             angles: Angles::new(&schedule),
@@ -224,6 +230,11 @@ impl Simulation {
             diagram,
             schedule,
         })
+    }
+
+    /// Times closer to the present one than this are the same time, s.
+    pub(crate) fn same(&self) -> f64 {
+        self.resolution.same(self.t)
     }
 
     /// Runs to the stop time of the settings.

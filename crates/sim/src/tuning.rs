@@ -71,7 +71,8 @@ impl Simulation {
             let [old, new] = [&old, &new].map(|schedule| format!("{:?}", schedule.blocks[block].block));
             old != new
         };
-        let noted = self.diagram.note(is_changed).and_then(|()| self.diagram.update_between(self.t));
+        let due = self.t + self.same();
+        let noted = self.diagram.note(is_changed).and_then(|()| self.diagram.update_between(due));
         self.held(noted)?;
         next.diagram.d.clone_from(&self.diagram.d);
         next.modes.note(&next.diagram.d);

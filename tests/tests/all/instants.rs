@@ -102,3 +102,42 @@ fn hops_that_are_lower_than_the_tolerance_are_not_lost() {
         assert!(least > -1e-8, "{solver}, drag {drag}: {least} m");
     }
 }
+
+/// A diagram with hits, edges, a relay, a delay and rows of its own grid is the same in units of a second, a nanosecond and a picosecond: no
+/// time counts as the same for being closer than a fixed part of a second.
+#[test]
+fn runs_of_any_length_tell_their_instants_apart() {
+    let of = |unit: f64| {
+        run_text(&format!(
+            r#"Diagram(
+                parameters: {{ "T": {unit:e} }},
+                simulation: (stop_time: "T", output: Every("T/20")),
+                blocks: {{
+                    "step": Step(time: "0.3137*T"), "lag": LowPass(tau: "0.1*T"), "hold": ZeroOrderHold(ts: "T/10"),
+                    "relay": Relay(on_at: 0.5, off_at: 0.2, on: 1, off: 0), "pulse": Pulse(period: "0.0771*T", width: 0.3),
+                    "per_time": Gain(k: "1/T"), "sum": Integrator, "late": TransportDelay(delay: "0.2*T"),
+                    "show": Scope(inputs: ["lag", "hold", "relay", "sum", "late"]),
+                }},
+                connections: [
+                    "step.y -> lag.u", "lag.y -> hold.u, relay.u, late.u, show.lag", "hold.y -> show.hold", "relay.y -> show.relay",
+                    "pulse.y -> per_time.u", "per_time.y -> sum.u", "sum.y -> show.sum", "late.y -> show.late",
+                ],
+            )"#
+        ))
+    };
+    let signals = ["lag", "hold", "relay", "sum", "late"].map(|name| format!("show.{name}"));
+    let long = of(1.0);
+    // Twelve pulses, and what is left of the thirteenth.
+    assert!((long.last("show.sum") - (12.0 * 0.3 * 0.0771 + 0.3 * 0.0771)).abs() < 1e-12);
+    for unit in [1e-3, 1e-9, 1e-12] {
+        let short = of(unit);
+        assert_eq!(short.time.len(), long.time.len(), "rows in units of {unit} s");
+        for (row, (t, of_long)) in short.time.iter().zip(&long.time).enumerate() {
+            assert!((t / unit - of_long).abs() < 1e-9, "{t} s in units of {unit} s instead of {of_long}");
+            for signal in &signals {
+                let (a, b) = (short.column(signal)[row], long.column(signal)[row]);
+                assert!((a - b).abs() < 1e-8, "{signal} at {t} s in units of {unit} s: {a} instead of {b}");
+            }
+        }
+    }
+}

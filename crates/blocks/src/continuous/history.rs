@@ -3,6 +3,7 @@
 //! Steps are kept as polynomials of degree four between their ends. Where something jumped, in the signal or in a derivative
 //! of it, there is a *break*: on each side another polynomial holds, and what reads the past must be made to stop there.
 
+use blocksim_block::Resolution;
 use blocksim_block::prelude::*;
 use blocksim_block::{NODES, derivatives, through};
 
@@ -55,8 +56,8 @@ fn cells(n: usize) -> usize {
 }
 
 /// Times that differ by less are the same: a time event is hit within that.
-pub(crate) fn same(t: f64) -> f64 {
-    2e-12 * t.abs().max(1.0)
+pub(crate) fn same(resolution: Resolution, t: f64) -> f64 {
+    2.0 * resolution.same(t)
 }
 
 /// A view of discrete states as the past of a signal of `n` elements.
@@ -169,7 +170,9 @@ impl<'a> History<'a> {
     /// comes out would be one of every other history, and so on for ever. But where a break came out of this history at that
     /// time, that is the reason, and what came out has been integrated once on its way, unless both pieces show that it has
     /// not: it may come back without (equations of neutral type).
-    fn level_of(&self, piece: &Piece, first: &[f64], initial: f64, delay: f64) -> f64 {
+    fn level_of(&self, c: &Context, piece: &Piece, told: Told) -> f64 {
+        let Told { n, initial, delay, .. } = told;
+        let first = &piece.node(0)[..n];
         let jumps = |(new, old): (&f64, f64)| (new - old).abs() > ROUNDING * new.abs().max(old.abs());
         let Some(newest) = self.count().checked_sub(1) else {
             return if first.iter().any(|&new| jumps((&new, initial))) { 0.0 } else { 1.0 };
@@ -179,8 +182,9 @@ impl<'a> History<'a> {
             return 0.0;
         }
         let came = piece.begin - delay;
-        let near =
-            |&age: &usize| self.is_break(age) && (self.begin(age) - came).abs() <= 2.0 * same(piece.begin);
+        let near = |&age: &usize| {
+            self.is_break(age) && (self.begin(age) - came).abs() <= 2.0 * same(c.resolution, piece.begin)
+        };
         let begun = self.begun(came);
         match (begun.saturating_sub(2)..self.count().min(begun + 2)).find(near) {
             None => self.jumping(piece, newest, 2.0, 0.0).unwrap_or(NO_BREAK),
@@ -245,19 +249,18 @@ pub(crate) fn rest(t: f64, u: &[f64], longest: f64, d: &mut [f64]) {
 
 /// Notes a piece.
 pub(crate) fn note(c: &Context, d: &mut [f64], piece: &Piece, told: Told) {
-    let Told { n, initial, delay, longest } = told;
+    let Told { n, longest, .. } = told;
     let history = History::new(d, n);
     let (room, count) = (history.room(), history.count());
     // What is read may be a little older than it should be, for rounding.
-    if count == room && history.end(0) > piece.end - longest - same(piece.end) {
+    if count == room && history.end(0) > piece.end - longest - same(c.resolution, piece.end) {
         c.fail(format!(
             "its history has room for {room} steps, but there are more within its delay of {longest} s; a larger `buffer` \
              has room for them"
         ));
         return;
     }
-    let level =
-        if piece.is_fresh { history.level_of(piece, &piece.node(0)[..n], initial, delay) } else { NO_BREAK };
+    let level = if piece.is_fresh { history.level_of(c, piece, told) } else { NO_BREAK };
     let place = PIECES + d[HEAD] as usize * cells(n);
     d[place + BEGIN] = piece.begin;
     d[place + END] = piece.end;
@@ -272,7 +275,7 @@ pub(crate) fn note(c: &Context, d: &mut [f64], piece: &Piece, told: Told) {
     }
 }
 
-/// Notes that what is read has come to `t` less the delay.
-pub(crate) fn pass(d: &mut [f64], t: f64, delay: f64) {
-    d[PASSED] = t - delay + same(t);
+/// Notes that what is read has come to the present less the delay.
+pub(crate) fn pass(c: &Context, d: &mut [f64], delay: f64) {
+    d[PASSED] = c.t - delay + same(c.resolution, c.t);
 }

@@ -64,7 +64,7 @@ impl Block for TransportDelay {
     }
 
     fn reach(&self, c: &Context, d: &mut [f64]) {
-        pass(d, c.t, self.delay);
+        pass(c, d, self.delay);
     }
 }
 

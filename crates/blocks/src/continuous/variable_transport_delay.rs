@@ -66,7 +66,7 @@ impl Block for VariableTransportDelay {
         let s = c.t - self.delay(c);
         // Nothing is infinite that the engine takes for a distance.
         g[0] = if next == f64::INFINITY { self.max_delay } else { next - s };
-        g[1] = if last == f64::MIN { self.max_delay } else { s - last + 3.0 * same(c.t) };
+        g[1] = if last == f64::MIN { self.max_delay } else { s - last + 3.0 * same(c.resolution, c.t) };
     }
 
     fn rest(&self, c: &Context, d: &mut [f64]) -> bool {
@@ -81,7 +81,7 @@ impl Block for VariableTransportDelay {
     }
 
     fn reach(&self, c: &Context, d: &mut [f64]) {
-        pass(d, c.t, self.delay(c));
+        pass(c, d, self.delay(c));
     }
 }
 

@@ -47,6 +47,7 @@ mod tests {
             inputs: &inputs,
             outputs: &[],
             evaluation: 0,
+            resolution: blocksim_block::Resolution::default(),
             seed: 0,
             fault: &fault,
         };

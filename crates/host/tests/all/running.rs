@@ -49,6 +49,7 @@ fn group(block: &Plugin, group: usize, u: [f64; 3]) -> (Vec<f64>, Option<String>
         inputs: &inputs,
         outputs: &outputs,
         evaluation: 1,
+        resolution: blocksim_block::Resolution::default(),
         seed: 0,
         fault: &fault,
     };

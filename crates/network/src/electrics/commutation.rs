@@ -218,7 +218,7 @@ impl Network {
         let arc = self.takes_over(island, c, w, conducting);
         // Volt-seconds that the voltages of the circuit have in a time that an event cannot be located in.
         let most_arc = self.size(island, w)[0];
-        if most_arc <= most_v * INSTANT * c.t.abs().max(1.0) || lost <= REMAINDER * so_far {
+        if most_arc <= most_v * INSTANT * c.resolution.size(c.t) || lost <= REMAINDER * so_far {
             return Ok(Wrong::Remainder);
         }
         Ok(match arc {

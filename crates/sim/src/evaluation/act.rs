@@ -4,7 +4,6 @@ use blocksim_block::{Block, Context, Invariant, NODES, Piece, Scratch};
 use blocksim_solve::Failed;
 
 use crate::evaluation::evaluate::Diagram;
-use crate::stepping::clock::same;
 
 impl Diagram {
     /// Values at the start: those of the interfaces, then what the blocks make of them.
@@ -130,11 +129,11 @@ impl Diagram {
         Ok(next)
     }
 
-    /// Advances the discrete states of the blocks that update at `t` between their hits.
-    pub fn update_between(&mut self, t: f64) -> Result<(), Failed> {
+    /// Advances the discrete states of the blocks that update between their hits until `due`.
+    pub fn update_between(&mut self, due: f64) -> Result<(), Failed> {
         for i in 0..self.plan.subdividing.len() {
             let block = self.plan.subdividing[i];
-            if self.next_update_of(block)? <= t + same(t) {
+            if self.next_update_of(block)? <= due {
                 self.change(block, |block, c, w, d| block.update(c, w, d))?;
                 self.forget();
             }

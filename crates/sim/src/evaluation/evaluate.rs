@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use blocksim_block::schedule::{Schedule, When};
-use blocksim_block::{Block, Context, Fault, Scratch};
+use blocksim_block::{Block, Context, Fault, Resolution, Scratch};
 use blocksim_solve::Failed;
 
 use crate::evaluation::loops::{Loops, Pass};
@@ -57,6 +57,7 @@ pub(crate) struct Now {
     copies: Arc<[(u32, u32)]>,
     pub evaluation: u64,
     /// Seed of the run.
+    pub resolution: Resolution,
     pub seed: u64,
     pub fault: Fault,
     /// How much of the signals belongs to `t`, `x` and the discrete states.
@@ -107,6 +108,7 @@ impl Now {
             inputs: &unit.inputs,
             outputs: &unit.outputs,
             evaluation: self.evaluation,
+            resolution: self.resolution,
             seed: self.seed,
             fault: &self.fault,
         }
@@ -155,6 +157,7 @@ impl Diagram {
                 u: vec![0.0; inputs],
                 copies: Arc::clone(&plan.copies),
                 evaluation: 0,
+                resolution: Resolution::new(schedule.settings.stop_time),
                 seed: schedule.settings.seed,
                 fault: Fault::default(),
                 known: Known::Nothing,
@@ -526,6 +529,7 @@ pub(crate) fn outputs(call: &Call, now: &mut Now, signals: &mut [f64], d: &[f64]
         inputs: &unit.inputs,
         outputs: &unit.outputs,
         evaluation: now.evaluation,
+        resolution: now.resolution,
         seed: now.seed,
         fault: &now.fault,
     };

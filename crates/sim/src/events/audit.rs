@@ -11,7 +11,6 @@ use crate::evaluation::evaluate::Diagram;
 use crate::events::crossings::summary;
 use crate::events::guards::{Guards, Stride};
 use crate::program::influence::Undeclared;
-use crate::stepping::clock::same;
 
 /// Points within a step.
 const POINTS: u32 = 64;
@@ -84,7 +83,7 @@ impl Audit {
         for k in 1..POINTS {
             let t = stride.t0 + h * (f64::from(k) / f64::from(POINTS));
             // What is seen at the time of the event itself is that event.
-            if t <= stride.t0 || t >= end - same(end) {
+            if t <= stride.t0 || t >= end - guards.resolution.same(end) {
                 continue;
             }
             guards.at(t, diagram, stride)?;

@@ -7,9 +7,12 @@ use crate::evaluation::evaluate::Diagram;
 use crate::events::rhythm::{Accumulation, Rhythm};
 use crate::events::scan::Samples;
 use crate::events::slopes::Turns;
+use blocksim_block::Resolution;
 
 /// Crossings in a row, without time getting on, that are taken for chatter.
 const CHATTER: u32 = 1000;
+/// Time that is too short for time to have got on, as a part of it: there is room for some events, not for thousands.
+const HASTE: f64 = 1e-9;
 /// Crossings in a row, without time getting on, after which steps pass over kinks: these are continuous, and what crosses one so
 /// often is nothing but what the dense output is off by.
 const DEAF: u32 = 100;
@@ -27,6 +30,7 @@ pub(crate) struct Stride<'a> {
 pub(crate) struct Guards {
     /// Which crossings of each are events.
     pub events: Vec<Crossing>,
+    pub resolution: Resolution,
     /// At the start of the step.
     pub start: Vec<f64>,
     /// At its end, which moves towards the first crossing.
@@ -71,11 +75,6 @@ pub(crate) struct Guards {
     pub deaf: bool,
 }
 
-/// Whether time has not got on between two instants.
-fn stands_still(since: f64, t: f64) -> bool {
-    t - since <= 1e-9 * t.abs().max(1.0)
-}
-
 /// How many guards are looked at abreast.
 const ABREAST: usize = 8;
 
@@ -105,11 +104,12 @@ pub(crate) fn first_loud(
 }
 
 impl Guards {
-    pub fn new(events: Vec<Crossing>, states: usize) -> Self {
+    pub fn new(events: Vec<Crossing>, states: usize, resolution: Resolution) -> Self {
         let guards = events.len();
         let zeros = vec![0.0; guards];
         Self {
             events,
+            resolution,
             turns: Turns::new(guards),
             start: zeros.clone(),
             end: zeros.clone(),
@@ -142,7 +142,7 @@ impl Guards {
 
     /// Notes the values at the start of a step.
     pub fn begin(&mut self, diagram: &mut Diagram, t: f64, x: &[f64]) -> Result<(), Failed> {
-        self.deaf = self.chatter.1 >= DEAF && stands_still(self.chatter.0, t);
+        self.deaf = self.chatter.1 >= DEAF && t - self.chatter.0 <= HASTE * self.resolution.size(t);
         if self.known || self.is_empty() {
             return Ok(());
         }
@@ -196,7 +196,7 @@ impl Guards {
     /// Counts a cut and tells whether there have been too many.
     pub fn chatters(&mut self, t: f64) -> bool {
         let (since, count) = self.chatter;
-        self.chatter = if stands_still(since, t) { (since, count + 1) } else { (t, 1) };
+        self.chatter = if t - since <= HASTE * self.resolution.size(t) { (since, count + 1) } else { (t, 1) };
         self.chatter.1 > CHATTER
     }
 }
@@ -230,9 +230,14 @@ mod tests {
 
     #[test]
     fn chatter_is_a_thousand_crossings_in_a_nanosecond() {
-        let mut guards = Guards::new(vec![Crossing::Either], 0);
+        let mut guards = Guards::new(vec![Crossing::Either], 0, Resolution::new(1.0));
         assert!((0..1000).all(|k| !guards.chatters(f64::from(k) * 1e-13)));
         assert!(guards.chatters(1e-10));
         assert!(!guards.chatters(1.0));
+        let mut quick = Guards::new(vec![Crossing::Either], 0, Resolution::new(1e-6));
+        assert!(
+            (0..2000).all(|k| !quick.chatters(f64::from(k) * 1e-13)),
+            "there is time enough in a run of 1 us"
+        );
     }
 }

@@ -327,6 +327,7 @@ fn vertex(left: (f64, f64), middle: (f64, f64), right: (f64, f64)) -> (f64, f64)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use blocksim_block::Resolution;
 
     #[test]
     fn the_least_value_of_a_parabola_is_found_at_once() {
@@ -352,7 +353,8 @@ mod tests {
         let kinds = [Crossing::Either, Crossing::Rising, Crossing::Holds, Crossing::Peak];
         for count in 0..4 {
             let n = 37;
-            let mut guards = Guards::new((0..n).map(|i| kinds[i % kinds.len()]).collect(), 0);
+            let mut guards =
+                Guards::new((0..n).map(|i| kinds[i % kinds.len()]).collect(), 0, Resolution::new(1.0));
             let mut looks = Looks::new(n);
             let way: Vec<Vec<f64>> = (0..count + 2).map(|_| (0..n).map(|_| random()).collect()).collect();
             for (k, values) in way[1..=count].iter().enumerate() {

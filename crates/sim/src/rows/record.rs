@@ -1,10 +1,11 @@
 //! Rows of recorded values, and who gets them.
 
+use blocksim_block::Resolution;
 use blocksim_block::schedule::{OutputTimes, Schedule};
 
 use crate::Counts;
 use crate::rows::sides::Sides;
-use crate::stepping::clock::{Grid, Hits, same};
+use crate::stepping::clock::{Grid, Hits};
 
 /// Changes of a value at an event that are below this part of it, or of 0.001 SI units, come from rounding.
 const ROUNDING: f64 = 1e-9;
@@ -71,7 +72,9 @@ impl Rows {
             source: Copies::new(cells),
             grid: match schedule.settings.output {
                 OutputTimes::Steps => None,
-                OutputTimes::Every(spacing) => Some(Grid::new(spacing)),
+                OutputTimes::Every(spacing) => {
+                    Some(Grid::new(spacing, Resolution::new(schedule.settings.stop_time)))
+                }
             },
         }
     }
@@ -83,8 +86,7 @@ impl Rows {
 
     /// Whether a sample hit at `t` may need rows on both sides.
     pub fn jump_at(&self, t: f64, hits: &Hits) -> bool {
-        let mut rates = hits.times().iter().zip(&self.sides.rates);
-        rates.any(|(&time, &jumps)| jumps && time <= t + same(t))
+        self.sides.rates.iter().enumerate().any(|(rate, &jumps)| jumps && hits.is_due(rate, t))
     }
 
     /// Takes the row just before an event or a sample hit. One that is not finite is none.

@@ -5,7 +5,7 @@ use crate::events::crossings::{Cut, phrase, summary, verb};
 use crate::events::guards::Stride;
 use crate::events::pace::Flood;
 use crate::events::rhythm::Accumulation;
-use crate::stepping::clock::{Grid, earliest, same};
+use crate::stepping::clock::{Grid, earliest};
 use crate::stepping::major::Arrival;
 use crate::{Observer, SimError, Simulation, diagnose};
 
@@ -28,8 +28,8 @@ impl Stop {
         let step = sim.grid.as_ref().map_or(f64::INFINITY, Grid::time);
         let times = sim.hits.times().iter().chain(&sim.event_times).copied();
         // What is due at the end may lie behind it by rounding: an edge at 3 * 1.1 s belongs to a run of 3.3 s.
-        let t = earliest(times.chain([end, step, sim.past.kink, sim.next_update]));
-        let is_due = |time: f64| time <= t + same(t);
+        let t = earliest(times.chain([end, step, sim.past.kink, sim.next_update]), sim.resolution);
+        let is_due = |time: f64| time <= t + sim.resolution.same(t);
         Self {
             t,
             event: sim.event_times.iter().any(|&time| is_due(time)),
@@ -65,7 +65,7 @@ impl Simulation {
             // When what is remembered of this step comes out again is not known before.
             let every = self.diagram.plan.every_step || self.rows.grid.is_none() || self.past.is_new();
             let major = self.t >= stop.t || arrival.cut || arrival.event || every || self.is_impatient();
-            self.record_within(if major { self.t - same(self.t) } else { self.t }, observer)?;
+            self.record_within(if major { self.t - self.same() } else { self.t }, observer)?;
             self.record_between(start, observer);
             // Where a guard leaves its zero, branches are chosen anew as well.
             let may_jump = arrival.event || arrival.cut;
@@ -137,7 +137,7 @@ impl Simulation {
         }
         let Some(cut) = cut else { return Ok(arrival) };
         // A crossing just before something else that is due is part of it.
-        if cut.t < self.t && !(self.t == limit && cut.t >= limit - same(limit)) {
+        if cut.t < self.t && !(self.t == limit && cut.t >= limit - self.resolution.same(limit)) {
             self.t = cut.t;
             self.x.copy_from_slice(&self.guards.x);
         }

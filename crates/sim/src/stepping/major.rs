@@ -118,7 +118,7 @@ impl Simulation {
         self.diagram.hold_outputs();
         self.report_modes(false, observer);
         observer.row(self.t, &self.rows.values);
-        let between = self.diagram.update_between(self.t);
+        let between = self.diagram.update_between(self.t + self.same());
         self.held(between)?;
         self.guards.known = false;
         self.guards.turns.forget();
@@ -184,7 +184,7 @@ impl Simulation {
     /// Advances the blocks whose rates are hit, and those that update between their hits, with the signals of this instant.
     pub(crate) fn update(&mut self) -> Result<(), SimError> {
         // At a hit a block is through with what lay before it.
-        let between = self.diagram.update_between(self.t);
+        let between = self.diagram.update_between(self.t + self.same());
         self.held(between)?;
         let updated = self.diagram.update(&self.hits.due);
         self.held(updated)

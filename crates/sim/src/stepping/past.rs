@@ -3,7 +3,6 @@
 use blocksim_block::schedule::{Schedule, Solver};
 use blocksim_block::{NODES, Piece, roughness};
 
-use crate::stepping::clock::same;
 use crate::{SimError, Simulation, diagnose};
 
 /// Most halvings of a step.
@@ -102,7 +101,7 @@ impl Simulation {
                 }
             }
             // What is no longer than the resolution of time is rough from rounding alone.
-            if self.past.is_rough() && length > (whole * 0.5_f64.powi(HALVINGS)).max(2.0 * same(self.t)) {
+            if self.past.is_rough() && length > (whole * 0.5_f64.powi(HALVINGS)).max(2.0 * self.same()) {
                 // What was the end is not the beginning of the next piece: it is looked at again.
                 length *= 0.5;
                 self.look(NODES.len() - 1, begin)?;

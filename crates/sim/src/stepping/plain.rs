@@ -8,7 +8,6 @@ use blocksim_block::schedule::{Schedule, Solver};
 use crate::program::plan::Plan;
 use crate::rows::record::are_finite;
 use crate::simulation::PATIENCE;
-use crate::stepping::clock::same;
 use crate::stepping::major::Arrival;
 use crate::{Observer, SimError, Simulation, diagnose};
 
@@ -45,18 +44,18 @@ impl Simulation {
         let due = self.hits.times().iter().chain(&self.event_times).copied().fold(end, f64::min);
         let since = self.t;
         // What is meant to be one instant is left to those who know how.
-        while next + same(next) < due {
+        while next + self.resolution.same(next) < due {
             if self.dash(due, observer)? {
                 break;
             }
             next = self.grid.as_ref().map_or(due, |grid| grid.time());
-            if next + same(next) >= due {
+            if next + self.resolution.same(next) >= due {
                 break;
             }
             self.step(next)?;
             let is_major = self.t >= next || self.diagram.plan.every_step || self.rows.grid.is_none();
             if self.rows.grid.is_some() {
-                self.record_within(if is_major { self.t - same(self.t) } else { self.t }, observer)?;
+                self.record_within(if is_major { self.t - self.same() } else { self.t }, observer)?;
             }
             if is_major {
                 self.plain_instant(observer)?;
@@ -94,7 +93,7 @@ impl Simulation {
         let end = loop {
             let next = grid.time();
             let h = next - self.t;
-            let is_plain = next + same(next) < due && 0.0 < h && h <= single;
+            let is_plain = next + self.resolution.same(next) < due && 0.0 < h && h <= single;
             if !is_plain || is_over || !diagram.step_on(self.t, next, h, &mut self.x) {
                 break End::Due;
             }

@@ -671,6 +671,7 @@ impl Opaque {
             outputs: &unit.outputs,
             evaluation: now.evaluation,
             fault: &now.fault,
+            resolution: now.resolution,
             seed: now.seed,
         };
         let w: &mut Scratch = &mut scratch[self.block];

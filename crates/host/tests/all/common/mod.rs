@@ -137,6 +137,7 @@ pub fn failure(plugin: &Plugin, u: &[f64], d: &mut [f64], what: What) -> Option<
         inputs: &inputs,
         outputs: &outputs,
         evaluation: 1,
+        resolution: blocksim_block::Resolution::default(),
         seed: 0,
         fault: &fault,
     };

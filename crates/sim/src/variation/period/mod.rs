@@ -15,8 +15,8 @@ use blocksim_signal::Kind;
 
 use crate::diagnose::state_name;
 use crate::program::spread::written;
-use crate::stepping::clock::same;
 use crate::variation::taps::{Lever, with_levers};
+use blocksim_block::Resolution;
 pub use slopes::PeriodSlopes;
 
 use crate::{Ended, Observer, SimError, Simulation, Snapshot, Tap, state_names};
@@ -132,7 +132,8 @@ impl Period {
                 times as u64 * common
             }
         };
-        let begin = first_of_most(clock, &rates, t, common);
+        let same = Resolution::new(schedule.settings.stop_time).same(t);
+        let begin = first_of_most(clock, &rates, t, same, common);
         Ok(Period { begin: clock.time(begin), end: clock.time(begin + ticks), length: clock.time(ticks) })
     }
 }
@@ -154,12 +155,12 @@ fn common_multiple(a: u64, b: u64) -> Option<u64> {
 }
 
 /// The first tick not before `t` at which most of the rates are hit, within a common period.
-fn first_of_most(clock: &Clock, rates: &[usize], t: f64, common: u64) -> u64 {
+fn first_of_most(clock: &Clock, rates: &[usize], t: f64, same: f64, common: u64) -> u64 {
     let hits = |rate: usize| {
         let rate = clock.rates[rate];
         let passed = ((t - clock.time(rate.offset)) / clock.time(rate.period)).floor().max(0.0) as u64;
         let first = rate.offset + passed * rate.period;
-        let first = if clock.time(first) < t - same(t) { first + rate.period } else { first };
+        let first = if clock.time(first) < t - same { first + rate.period } else { first };
         (0..common / rate.period).map(move |k| first + k * rate.period)
     };
     let due = |tick: u64| {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use blocksim_block::law::BlockLaw;
 use blocksim_block::schedule::{Instance, Recorded, Schedule, Start, Step};
-use blocksim_block::{Block, Context, Discrete, Fault, Input, Interface, Output, Scratch, State};
+use blocksim_block::{Block, Context, Discrete, Fault, Input, Interface, Output, Resolution, Scratch, State};
 use blocksim_law::{Code, Id, Op, Program, Sources, passes, rates};
 use blocksim_signal::Shape;
 
@@ -151,6 +151,7 @@ fn is_on_time(variants: &[Schedule; 5], block: usize) -> bool {
                 outputs: &instance.outputs,
                 evaluation: 0,
                 fault: &fault,
+                resolution: Resolution::new(variant.settings.stop_time),
                 seed: variant.settings.seed,
             };
             instance.block.next_event(&c)
@@ -325,6 +326,7 @@ fn at_start(instance: &Instance, seed: u64) -> (Vec<f64>, Vec<f64>) {
         outputs: &instance.outputs,
         evaluation: 0,
         fault: &fault,
+        resolution: Resolution::default(),
         seed,
     };
     instance.block.initialize(&c, &mut x, &mut d);
