@@ -221,3 +221,123 @@ fn a_loop_of_different_times_is_refused_and_one_that_is_solved_is_told() {
     );
     assert!(runs && problems.contains("note") && problems.contains("solved at every instant"), "{problems}");
 }
+
+/// Signals of a loop have many units, and what is small beside one of them may be all there is of another: a diode between two resistances,
+/// and a valve between two hoses, of which the current or the flow is the unknown.
+#[test]
+fn a_small_unknown_beside_large_signals_keeps_its_digits() {
+    for (law, step, resistance) in [
+        ("1e-12*(exp((a - b)/0.02585) - 1)", (10.0, 1.0), 1e6),
+        ("max(0, 1e-9*(a - b - 5e5))", (1e7, 1e6), 1e11),
+        ("1e-4*tanh((a - b)/1e3)", (1e5, 1e7), 1e11),
+    ] {
+        let run = simulate(
+            "Auto",
+            &format!(
+                r#""u": Step(time: 1, before: {:e}, after: {:e}), "first": Gain(k: {resistance:e}), "second": Gain(k: {resistance:e}),
+                   "a": Sum(signs: "+-"), "law": Expression(law: "{law}"), "show": Scope(inputs: ["q", "a", "b", "u"])"#,
+                step.0, step.1
+            ),
+            r#""u.y -> a.u1, show.u", "a.y -> law.a, show.a", "law.y -> first.u, second.u, show.q", "first.y -> a.u2",
+               "second.y -> law.b, show.b""#,
+        );
+        for row in 0..run.time.len() {
+            let [q, u] = ["show.q", "show.u"].map(|column| run.column(column)[row]);
+            // By halving: what is left of the drop falls with q.
+            let given = |q: f64| {
+                let drop = u - 2.0 * resistance * q;
+                match law {
+                    law if law.contains("exp") => 1e-12 * (drop / 0.02585).exp_m1(),
+                    law if law.contains("max") => (1e-9 * (drop - 5e5)).max(0.0),
+                    _ => 1e-4 * (drop / 1e3).tanh(),
+                }
+            };
+            let (mut low, mut high) = (0.0, 0.5 * u / resistance);
+            for _ in 0..200 {
+                let middle = 0.5 * (low + high);
+                (low, high) = if given(middle) > middle { (middle, high) } else { (low, middle) };
+            }
+            assert!((q - low).abs() < 1e-9 * low, "{law} at {}: {q} instead of {low}", run.time[row]);
+        }
+    }
+}
+
+/// Of a value that becomes zero nothing is left to be relative to.
+#[test]
+fn a_loop_may_come_to_zero() {
+    for law in ["tanh(u)", "u*abs(u)", "u^3", "sin(u)", "exp(u) - 1", "u + u^2"] {
+        for solver in SOLVERS {
+            let run = simulate(
+                solver,
+                &format!(
+                    r#""u": Step(time: 1, before: 1, after: 0), "e": Sum(signs: "+-"), "x": Expression(law: "{law}"), "show": Scope(inputs: ["e"])"#
+                ),
+                r#""u.y -> e.u1", "e.y -> x.u, show.e", "x.y -> e.u2""#,
+            );
+            let last = run.last("show.e");
+            assert!(last.abs() < 1e-15, "{law} with {solver}: {last}");
+        }
+    }
+}
+
+/// A run that passes kinks of a loop, where what acts from outside cancels: nothing but its rounding is left of the unknown.
+#[test]
+fn kinks_of_a_loop_are_passed_where_its_terms_cancel() {
+    let odd = |k: f64, s: f64| if s > 0.0 { s / (1.0 - k) } else { s / (1.0 + k) };
+    let knee = |k: f64, s: f64| {
+        let above = (s - 0.15 * k) / (1.0 + 0.5 * k);
+        if above > 0.3 { above } else { s / (1.0 + k) }
+    };
+    let rectified = |k: f64, s: f64| if s > 0.0 { s / (1.0 + k) } else { s };
+    type Closed<'a> = &'a dyn Fn(f64, f64) -> f64;
+    let cases: [(&str, f64, Closed); 3] = [
+        ("abs(u)", 0.4, &|k, s| odd(-k, s)),
+        ("if(u > 0.3, 0.3 + 0.5*(u - 0.3), u)", 3.3, &knee),
+        ("max(u, 0)", 3.0, &rectified),
+    ];
+    for (law, k, closed) in cases {
+        for bias in [0.0, 0.3, 0.7] {
+            for frequency in [0.7, 1.73, 2.9] {
+                let run = simulate(
+                    "Auto",
+                    &format!(
+                        r#""u": Sine(amplitude: 2.21, frequency: "{frequency} Hz"), "c": Constant(value: {bias:?}), "e": Sum(signs: "+-+"),
+                           "x": Expression(law: "{law}"), "k": Gain(k: {k:?}), "show": Scope(inputs: ["e", "u"])"#
+                    ),
+                    r#""u.y -> e.u1, show.u", "c.y -> e.u3", "e.y -> x.u, show.e", "x.y -> k.u", "k.y -> e.u2""#,
+                );
+                for (u, e) in run.column("show.u").iter().zip(run.column("show.e")) {
+                    let expected = closed(k, u + bias);
+                    assert!(
+                        (e - expected).abs() < 1e-12,
+                        "{law}, {bias}, {frequency}: {e} instead of {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Two unknowns at the kinks of both: no slope of one side leads on, and the loop contracts.
+#[test]
+fn a_loop_that_contracts_is_solved_at_the_kinks_of_two_unknowns() {
+    let run = simulate(
+        "Auto",
+        r#""u": Sine(amplitude: 3, frequency: "1.3 Hz"), "a": Sum(signs: "+++"), "b": Sum(signs: "++-"), "x": Abs, "z": Saturation(lower: -1, upper: 1),
+           "xa": Gain(k: 0.4), "xb": Gain(k: -0.3), "za": Gain(k: 0.5), "zb": Gain(k: 0.6), "show": Scope(inputs: ["x", "z", "u"])"#,
+        r#""u.y -> a.u1, b.u3, show.u", "a.y -> x.u", "b.y -> z.u", "x.y -> xa.u, xb.u, show.x", "z.y -> za.u, zb.u, show.z",
+           "xa.y -> a.u2", "za.y -> a.u3", "xb.y -> b.u1", "zb.y -> b.u2""#,
+    );
+    for row in 0..run.time.len() {
+        let [x, z, u] = ["show.x", "show.z", "show.u"].map(|column| run.column(column)[row]);
+        let (mut a, mut b) = (0.0_f64, 0.0_f64);
+        for _ in 0..400 {
+            (a, b) = ((u + 0.4 * a + 0.5 * b).abs(), (-u - 0.3 * a + 0.6 * b).clamp(-1.0, 1.0));
+        }
+        assert!(
+            (x - a).abs() < 1e-11 && (z - b).abs() < 1e-11,
+            "{x}, {z} instead of {a}, {b} at {}",
+            run.time[row]
+        );
+    }
+}

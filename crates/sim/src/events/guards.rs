@@ -148,7 +148,9 @@ impl Guards {
         }
         self.known = true;
         diagram.minor(t, x)?;
-        diagram.guards(&mut self.start)
+        diagram.guards(&mut self.start)?;
+        diagram.steady_guards(&mut self.start);
+        Ok(())
     }
 
     /// The first guard, by number, whose sign is not that of the start; `both` if those count, too, that are no events.

@@ -35,6 +35,10 @@ pub(crate) use tapes::{Drafts, Form};
 
 /// How often branches are chosen at one instant.
 const ROUNDS: usize = 32;
+/// Share of the largest signal of a loop below which a guard may be rounding.
+const LOST: f64 = 1e-9;
+/// After how many of them it is found out whether those of the last one matter.
+const WAVERING: usize = 8;
 
 /// Loops of a diagram and what their solution takes.
 #[derive(Default)]
@@ -61,13 +65,29 @@ pub(crate) struct Ring {
     written: Vec<usize>,
     /// Calls, counted from the first, of groups that make outputs of what constraints have found.
     owners: Vec<usize>,
-    /// Cells that its blocks read, and behind which of its calls they are written if within it; for constraints alone.
-    seen: Vec<(usize, Option<usize>)>,
+    /// All numbers that its blocks read.
+    seen: Vec<Seen>,
     /// Where the last solution is, and behind it what was chosen.
     anchors: Range<usize>,
     /// Whether any of its blocks has branches.
     settles: bool,
+    /// Whether the branches of the last major pass are right but for rounding, as others would be.
+    wavers: bool,
 }
+
+/// A number that a loop depends on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Seen {
+    /// A cell of the signals, and behind which call of the loop it is written if within it.
+    Signal(usize, Option<usize>),
+    /// A continuous state.
+    State(usize),
+    /// A discrete state.
+    Held(usize),
+}
+
+/// Most discrete states of a block that are seen: more are the memory of a delay.
+const MEMORY: usize = 64;
 
 /// Most unknowns that are told.
 const FEW: usize = 4;
@@ -124,12 +144,13 @@ impl Loops {
                 count: found.count,
                 sought: found.sought,
                 owners: (0..found.count).filter(|&k| owns(&steps[k])).collect(),
-                seen: if found.sought > 0 { seen(schedule, found) } else { Vec::new() },
+                seen: seen(schedule, found),
                 cells: found.cells.clone(),
                 chosen: found.chosen.clone(),
                 written: steps.iter().flat_map(|step| written(schedule, step)).collect(),
                 anchors: start..end,
                 settles: steps.iter().any(settles),
+                wavers: false,
             }
         });
         let rings: Vec<Ring> = rings.collect();
@@ -150,8 +171,14 @@ impl Diagram {
     pub(crate) fn settle_loop(&mut self, ring: usize) -> Result<(), Failed> {
         let first = self.loops.rings[ring].first;
         let most = ROUNDS + self.loops.rings[ring].chosen.len();
-        for _ in 0..most {
+        self.loops.rings[ring].wavers = false;
+        for round in 0..most {
             self.solve_loop(ring, Pass::Major, first, None::<fn(usize, &mut [f64])>)?;
+            // Where a condition is met but for rounding, either branch leads to the other, and both to one solution.
+            if round >= WAVERING && self.is_solved_by_the_last(ring) {
+                self.loops.rings[ring].wavers = true;
+                return self.solve_loop(ring, Pass::Major, first, None::<fn(usize, &mut [f64])>);
+            }
             let Self { signals, loops: Loops { rings, anchors, work, .. }, .. } = self;
             let Ring { cells, chosen, anchors: range, settles, .. } = &rings[ring];
             let (found, held) = anchors[range.clone()].split_at_mut(cells.len());
@@ -169,6 +196,44 @@ impl Diagram {
             }
         }
         Err(self.unsolved(ring, Why::Unsettled))
+    }
+
+    /// Whether the solution with the branches of before is one with those of now, too, but for rounding.
+    #[cold]
+    fn is_solved_by_the_last(&mut self, ring: usize) -> bool {
+        let Self { plan, now, signals, d, scratch, loops, .. } = self;
+        let Loops { rings, anchors, work, .. } = loops;
+        let ring = &rings[ring];
+        let n = ring.cells.len();
+        let (before, held) = anchors[ring.anchors.clone()].split_at(n);
+        let calls = &plan.major[ring.first..ring.first + ring.count];
+        let (first, touch) = (ring.first, None::<fn(usize, &mut [f64])>);
+        let chosen = ring.chosen.iter().zip(held).all(|(&cell, held)| signals[cell] == *held);
+        let mut round =
+            Round { ring, calls, first, now, signals, d, scratch, tapes: None, held, touch, failed: None };
+        work.start[..n].copy_from_slice(&work.z[..n]);
+        work.z[..n].copy_from_slice(before);
+        let is_solved = chosen && work.is_rounding(n, ring.sought, &mut round);
+        work.z[..n].copy_from_slice(&work.start[..n]);
+        is_solved
+    }
+
+    /// Makes guards zero that are nothing but rounding, in loops whose branches hang on it: which branch is right is found out where they
+    /// leave it.
+    pub(crate) fn steady_guards(&self, guards: &mut [f64]) {
+        for ring in self.loops.rings.iter().filter(|ring| ring.wavers) {
+            let seen = ring.seen.iter().filter_map(|seen| match seen {
+                Seen::Signal(cell, _) => Some(cell),
+                _ => None,
+            });
+            let size = |largest: f64, cell: &usize| largest.max(self.signals[*cell].abs());
+            let largest = ring.written.iter().chain(seen).fold(0.0, size);
+            for call in &self.plan.major[ring.first..ring.first + ring.count] {
+                let instance = &self.schedule.blocks[call.block as usize];
+                let own = &mut guards[instance.g..instance.g + instance.interface.guards.len()];
+                own.iter_mut().filter(|guard| guard.abs() <= LOST * largest).for_each(|guard| *guard = 0.0);
+            }
+        }
     }
 
     /// Lets the blocks of a loop choose their branches; returns whether any did anew.
@@ -218,11 +283,8 @@ impl Diagram {
             Some(Form::Affine | Form::Constant) => work.eliminate(n, &mut factors[number], &mut round),
             _ => work.search(n, sought, &mut round),
         };
-        if sought > 0 && matches!(solved, Err(Why::Nowhere)) {
-            let mut nudged = |z: &[f64], f: &mut [f64], cell| round.nudged(z, f, cell);
-            if work.is_rounding(n, sought, &ring.seen, &mut nudged) {
-                solved = Ok(());
-            }
+        if matches!(solved, Err(Why::Nowhere)) && work.is_nearly_solved(n, sought, &mut round) {
+            solved = Ok(());
         }
         match (solved, round.failed.take()) {
             (Ok(()), _) => {
@@ -310,16 +372,35 @@ impl<T: FnMut(usize, &mut [f64])> Round<'_, T> {
         f.iter().all(|f| f.is_finite()).then(|| self.ring.written.iter().fold(0.0, size))
     }
 
-    /// The same with one signal changed by a small share: one from outside, or one that the call of this number within the loop writes.
-    fn nudged(&mut self, z: &[f64], f: &mut [f64], nudged: Option<(usize, Option<usize>)>) -> Option<f64> {
+    /// The same with one number multiplied by something close to 1.
+    fn nudged(&mut self, z: &[f64], f: &mut [f64], nudged: Option<(Seen, f64)>) -> Option<f64> {
         // What blocks have in their scratch space belongs to other values of the loop.
         self.now.evaluation += 1;
         self.hand(z);
-        let nudge = |behind: Option<usize>, signals: &mut [f64]| {
-            let hit = nudged.filter(|(_, written)| *written == behind);
-            hit.into_iter().for_each(|(cell, _)| signals[cell] *= 1.0 + newton::NUDGE);
+        let nudge = |behind: Option<usize>, signals: &mut [f64]| match nudged {
+            Some((Seen::Signal(cell, written), by)) if written == behind => signals[cell] *= by,
+            _ => (),
         };
         nudge(None, self.signals);
+        let state = match nudged {
+            Some((Seen::State(i), by)) => Some((&mut self.now.x[i], by)),
+            // A whole number may be a mode.
+            Some((Seen::Held(i), by)) if self.d[i].fract() != 0.0 => Some((&mut self.d[i], by)),
+            _ => None,
+        };
+        let before = state.map(|(state, by)| std::mem::replace(state, *state * by));
+        let found = self.go_round(f, nudge);
+        match (nudged, before) {
+            (Some((Seen::Signal(cell, None), by)), _) => self.signals[cell] /= by,
+            (Some((Seen::State(i), _)), Some(before)) => self.now.x[i] = before,
+            (Some((Seen::Held(i), _)), Some(before)) => self.d[i] = before,
+            _ => (),
+        }
+        found
+    }
+
+    /// Evaluates the blocks of the loop one after the other, with a change of signals behind each.
+    fn go_round(&mut self, f: &mut [f64], change: impl Fn(Option<usize>, &mut [f64])) -> Option<f64> {
         let mut largest: f64 = 0.0;
         for (k, call) in self.calls.iter().enumerate() {
             outputs(call, self.now, self.signals, self.d, self.scratch);
@@ -328,17 +409,13 @@ impl<T: FnMut(usize, &mut [f64])> Round<'_, T> {
                 return None;
             }
             self.touch.iter_mut().for_each(|touch| touch(self.first + k, self.signals));
-            nudge(Some(k), self.signals);
+            change(Some(k), self.signals);
             let written = &self.signals[call.unit.y.range()];
             largest = written.iter().fold(largest, |size, y| size.max(y.abs()));
         }
         // Of what is a program nothing is known on the way.
         let is_program = self.tapes.is_some() && self.ring.sought == 0;
-        let found = self.read(f).map(|size| if is_program { size } else { largest });
-        if let Some((cell, None)) = nudged {
-            self.signals[cell] /= 1.0 + newton::NUDGE;
-        }
-        found
+        self.read(f).map(|size| if is_program { size } else { largest })
     }
 }
 
@@ -356,6 +433,20 @@ impl<T: FnMut(usize, &mut [f64])> Given for Round<'_, T> {
         self.nudged(z, f, None)
     }
 
+    fn noise(&mut self, z: &[f64], f: &mut [f64], next: &mut [f64], noise: &mut [f64]) -> bool {
+        let ring = self.ring;
+        noise.fill(0.0);
+        let share = f64::EPSILON / newton::NUDGE;
+        // At a kink a change to one side alone may do nothing.
+        let both = [1.0 - newton::NUDGE, 1.0 + newton::NUDGE];
+        self.nudged(z, f, None).is_some()
+            && ring.seen.iter().flat_map(|&seen| both.map(|by| (seen, by))).all(|nudge| {
+                let is_defined = self.nudged(z, next, Some(nudge)).is_some();
+                noise.iter_mut().enumerate().for_each(|(i, noise)| *noise += (next[i] - f[i]).abs() * share);
+                is_defined
+            })
+    }
+
     fn slopes(&mut self, z: &[f64], rows: &mut [f64], column: &mut [f64]) -> bool {
         // Of what constraints seek the size is not known, and differences see where nothing but rounding is left.
         let Some(tapes) = self.tapes.filter(|_| self.ring.sought == 0) else { return false };
@@ -365,9 +456,8 @@ impl<T: FnMut(usize, &mut [f64])> Given for Round<'_, T> {
     }
 }
 
-/// Cells that the blocks of a loop read, and behind which of its calls those within it are written. Its unknowns count
-/// as written before.
-fn seen(schedule: &Schedule, found: &Loop) -> Vec<(usize, Option<usize>)> {
+/// All that the blocks of a loop read. Its unknowns count as written before.
+fn seen(schedule: &Schedule, found: &Loop) -> Vec<Seen> {
     let steps = &schedule.steps[found.first..found.first + found.count];
     let writer: BTreeMap<usize, usize> = steps
         .iter()
@@ -377,5 +467,14 @@ fn seen(schedule: &Schedule, found: &Loop) -> Vec<(usize, Option<usize>)> {
         .collect();
     let read = steps.iter().flat_map(|step| schedule.blocks[step.block as usize].read(step.group as usize));
     let cells: BTreeSet<usize> = read.collect();
-    cells.into_iter().map(|cell| (cell, writer.get(&cell).copied())).collect()
+    let signals = cells.into_iter().map(|cell| Seen::Signal(cell, writer.get(&cell).copied()));
+    let blocks: BTreeSet<usize> = steps.iter().map(|step| step.block as usize).collect();
+    let states = blocks.into_iter().flat_map(|block| {
+        let instance = &schedule.blocks[block];
+        let (x, d) = (instance.interface.states.len(), instance.interface.discrete.len());
+        let held = if d <= MEMORY { d } else { 0 };
+        let states = (instance.x..instance.x + x).map(Seen::State);
+        states.chain((instance.d..instance.d + held).map(Seen::Held))
+    });
+    signals.chain(states).collect()
 }

@@ -8,19 +8,32 @@ use crate::diagnose::number;
 
 /// Corrections, as a share of a value, that count as none.
 const CLOSE: f64 = 1e-12;
-/// The same where they do not get smaller: a share of the largest signal of the loop.
+/// The same of what constraints seek, where they do not get smaller.
 const ROUNDING: f64 = 1e-9;
-/// Share of the value of before that a value is at least taken for: what becomes zero has no digits of its own.
-const VANISHED: f64 = 1e-6;
+/// Shares of the value of before that a value is at least taken for, of what is guessed and of what constraints seek: what becomes zero
+/// has no digits of its own.
+const VANISHED: [f64; 2] = [1e-12, 1e-6];
+/// Share of a correction that does not serve, from which on it is found out whether anything but rounding is left.
+const STUCK: f64 = 1.0 / 16.0;
 /// Share by which signals are changed to see what their rounding does, and how many roundings count as none.
 pub(super) const NUDGE: f64 = 1e-6;
-const ROUNDINGS: f64 = 16.0;
+const ROUNDINGS: f64 = 8.0;
 /// Slopes are taken over a distance that changes something by this many roundings of the largest signal, if possible.
 const CLEAR: f64 = 1e4;
 /// Distance, as a part of the largest signal, over which the slope by an unknown that is zero is tried first.
 const SMALLEST: f64 = 1e-24;
 /// Most corrections.
 const CORRECTIONS: usize = 50;
+/// Distance, as a part of a value or from zero, at which another side is looked for first, by how much each is farther than the one before,
+/// and how many there are.
+const FIRST: f64 = 1e-3;
+const LITTLE: f64 = 1e-30;
+const FARTHER: f64 = 4.0;
+const FAR: usize = 100;
+/// Most halvings of an interval with a solution.
+const HALVINGS: usize = 200;
+/// Most times round a loop where no correction leads on.
+const TIMES_ROUND: usize = 1000;
 /// Least share of a correction that is tried.
 const LEAST: f64 = 1e-6;
 /// A correction this much smaller than the one before keeps the slopes.
@@ -34,6 +47,10 @@ const KEPT: usize = 4;
 pub(super) trait Given {
     /// Writes F(z); returns the size of the largest signal that had a part in it, or `None` where F is not defined.
     fn evaluate(&mut self, z: &[f64], f: &mut [f64]) -> Option<f64>;
+
+    /// Writes to `noise` what a change of each signal of the loop, one after the other, by its rounding makes of F, which is `f` at z;
+    /// `next` is room. Returns whether F is defined there.
+    fn noise(&mut self, z: &[f64], f: &mut [f64], next: &mut [f64], noise: &mut [f64]) -> bool;
 
     /// Writes the slopes of F at z, row by row; `column` is room for one of them. Returns whether they are known.
     fn slopes(&mut self, z: &[f64], rows: &mut [f64], column: &mut [f64]) -> bool;
@@ -120,9 +137,8 @@ impl Work {
         let (trial, given, slopes, pivots) =
             (&mut trial[..n], &mut given[..n], &mut slopes[..n * n], &mut pivots[..n]);
         let guessed = n - sought;
-        // What is left over, and how large the numbers are that it is a difference of, as far as they are of one unit.
+        // What is left over.
         let rest = |i: usize, z: f64, f: f64| if i < guessed { z - f } else { -f };
-        let size = |i: usize, z: f64, f: f64| if i < guessed { z.abs().max(f.abs()) } else { z.abs() };
         let mut largest = about.evaluate(z, f).ok_or(Why::Block)?;
         let mut keeps = false;
         let (mut side, mut passes) = (Side::Exact, 0);
@@ -166,20 +182,25 @@ impl Work {
                     // The correction that would come next, by the slopes that are known.
                     (0..n).for_each(|i| next[i] = rest(i, trial[i], given[i]));
                     lu_solve(slopes, pivots, next);
-                    let least = |i: usize| if i < guessed { 0.0 } else { VANISHED * start[i].abs() };
-                    let left = greatest(n, |i| next[i] / size(i, trial[i], given[i]).max(least(i)));
-                    let within = |i: usize| size(i, trial[i], given[i]).max(size(i, z[i], f[i]));
+                    let least = |i: usize| VANISHED[usize::from(i >= guessed)] * start[i].abs();
+                    // By the unknowns alone: what they give may be astronomical.
+                    let ahead = |i: usize| if i < guessed { (trial[i] + next[i]).abs() } else { 0.0 };
+                    let left = greatest(n, |i| next[i] / trial[i].abs().max(ahead(i)).max(least(i)));
+                    let within = |i: usize| trial[i].abs().max(z[i].abs());
                     let (before, after) =
                         (greatest(n, |i| step[i] / within(i)), greatest(n, |i| next[i] / within(i)));
-                    let scale = |i: usize| if sought == 0 { largest } else { within(i) };
-                    let tiny = |step: &[f64]| (0..n).all(|i| step[i].abs() <= ROUNDING * scale(i));
+                    let tiny = |step: &[f64]| (0..n).all(|i| step[i].abs() <= ROUNDING * within(i));
                     if left <= CLOSE || after <= (1.0 - 0.5 * share) * before {
                         keeps = share == 1.0 && after <= QUICK * before;
                         break left;
-                    } else if tiny(step) && tiny(next) {
+                    } else if sought > 0 && tiny(step) && tiny(next) {
                         // Nothing but rounding is left.
                         break 0.0;
                     }
+                }
+                // Signals of a loop have many units: what is small beside the largest may be all there is of another.
+                if sought == 0 && !keeps && share == STUCK && is_rounding(guessed, z, f, next, given, about) {
+                    return Ok(());
                 }
                 share *= 0.5;
                 if keeps {
@@ -208,33 +229,100 @@ impl Work {
 }
 
 impl Work {
-    /// Whether what is left over at `z` is no more than rounding makes of the signals of the loop. Changes each of them by a
-    /// small share to see.
+    /// What is tried when a search has led nowhere. If nothing serves, it is told as it was.
     #[cold]
-    pub fn is_rounding(
-        &mut self,
-        n: usize,
-        sought: usize,
-        seen: &[(usize, Option<usize>)],
-        evaluate: &mut impl FnMut(&[f64], &mut [f64], Option<(usize, Option<usize>)>) -> Option<f64>,
-    ) -> bool {
-        let Self { z, f, step: noise, next, .. } = self;
-        let (z, f, noise, next) = (&z[..n], &mut f[..n], &mut noise[..n], &mut next[..n]);
-        if evaluate(z, f, None).is_none() {
+    pub fn is_nearly_solved(&mut self, n: usize, sought: usize, about: &mut impl Given) -> bool {
+        if self.is_rounding(n, sought, about) || sought == 0 && self.go_round(n, about) {
+            return true;
+        }
+        if n != 1 || sought > 0 {
             return false;
         }
-        noise.fill(0.0);
-        for &cell in seen {
-            if evaluate(z, next, Some(cell)).is_none() {
+        let (z, f, tried) = (self.z[0], self.f[0], self.tried.clone());
+        let is_solved = self.enclose(about) && self.search(n, sought, about).is_ok();
+        if !is_solved {
+            (self.z[0], self.f[0], self.tried) = (z, f, tried);
+        }
+        is_solved
+    }
+
+    /// Encloses a solution for a single unknown, from where a search for it began on, and goes to it by halving: corrections of
+    /// what grows by powers are too short. Returns whether there is one, or a jump that looks like one.
+    #[cold]
+    pub fn enclose(&mut self, about: &mut impl Given) -> bool {
+        let (start, mut f) = (self.start[0], [0.0]);
+        let mut rest = |z: f64| about.evaluate(&[z], &mut f).map(|_| f[0] - z);
+        let Some(here) = rest(start) else { return false };
+        let mut ends = [Some((start, here)); 2];
+        let mut distance = if start == 0.0 { LITTLE } else { FIRST * start.abs() };
+        for _ in 0..FAR {
+            for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
+                let Some((mut a, at_a)) = *end else { continue };
+                let mut b = start + sign * distance;
+                // Beyond where the loop is not defined there is nothing to be found.
+                *end = rest(b).map(|at_b| (b, at_b));
+                if end.is_none_or(|(_, at_b)| (at_b > 0.0) == (at_a > 0.0)) {
+                    continue;
+                }
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (a + b);
+                    if middle == a || middle == b {
+                        break;
+                    }
+                    let Some(at) = rest(middle) else { return false };
+                    if (at > 0.0) == (at_a > 0.0) { a = middle } else { b = middle }
+                }
+                self.z[0] = 0.5 * (a + b);
+                return true;
+            }
+            distance *= FARTHER;
+        }
+        false
+    }
+
+    /// Goes round the loop, from where a search for its `n` unknowns began, until it comes back unchanged: at kinks of several unknowns no
+    /// slope of one side may lead on, where a loop that contracts has its one solution all the same (S. Banach).
+    #[cold]
+    pub fn go_round(&mut self, n: usize, about: &mut impl Given) -> bool {
+        // The search is told as it was if this fails as well.
+        let Self { z: found, start, next: z, step: f, .. } = self;
+        let (z, f) = (&mut z[..n], &mut f[..n]);
+        z.copy_from_slice(&start[..n]);
+        for _ in 0..TIMES_ROUND {
+            if about.evaluate(z, f).is_none() {
                 return false;
             }
-            (0..n).for_each(|i| noise[i] += (next[i] - f[i]).abs() * (f64::EPSILON / NUDGE));
+            if greatest(n, |i| (f[i] - z[i]) / z[i].abs().max(f[i].abs())) <= CLOSE {
+                found[..n].copy_from_slice(z);
+                return true;
+            }
+            z.copy_from_slice(f);
         }
-        let rest = |i: usize| if i < n - sought { f[i] - z[i] } else { f[i] };
-        let found = (0..n).all(|i| rest(i).abs() <= ROUNDINGS * noise[i]);
-        // All blocks are left with the solution.
-        evaluate(z, f, None).is_some() && found
+        false
     }
+
+    /// Whether what is left over at `z` is no more than rounding makes of the signals of the loop.
+    pub fn is_rounding(&mut self, n: usize, sought: usize, about: &mut impl Given) -> bool {
+        let Self { z, f, step: noise, next, .. } = self;
+        is_rounding(n - sought, &z[..n], &mut f[..n], &mut next[..n], &mut noise[..n], about)
+    }
+}
+
+/// Whether what is left over at `z`, where F is to be `f`, is no more than rounding makes of the signals of the loop; `next` and `noise` are room. If
+/// so, all blocks are left with the solution.
+#[cold]
+fn is_rounding(
+    guessed: usize,
+    z: &[f64],
+    f: &mut [f64],
+    next: &mut [f64],
+    noise: &mut [f64],
+    about: &mut impl Given,
+) -> bool {
+    let rest = |i: usize, f: &[f64]| if i < guessed { f[i] - z[i] } else { f[i] };
+    about.noise(z, f, next, noise)
+        && (0..z.len()).all(|i| rest(i, f).abs() <= ROUNDINGS * noise[i])
+        && about.evaluate(z, f).is_some()
 }
 
 /// Whether the solution of a single unknown hangs on rounding: of its slopes on both sides little is left.
