@@ -1,5 +1,6 @@
 //! A network as a block.
 
+use blocksim_block::physical::Component;
 use blocksim_block::problem::Problem;
 use blocksim_block::{Block, Context, Given, Interface, InterfaceError, Invariant, Scratch};
 
@@ -170,7 +171,17 @@ impl Block for Network {
     }
 
     fn fit(&self, c: &Context, w: &mut Scratch, x: &mut [f64]) -> Option<String> {
-        self.fit_at_rest(c, w.get::<Work>()?, x)
+        let w = w.get::<Work>()?;
+        let mut differs = self.close_at_rest(c, w, x);
+        for seat in self.active.states.iter().map(|i| &self.seats[*i]) {
+            let elsewhere = |component: &dyn Component| {
+                component.fit(&self.flowing_law(c, seat, w), &mut x[seat.x.clone()])
+            };
+            if let Some(what) = seat.component().and_then(elsewhere) {
+                differs.get_or_insert_with(|| format!("`{}` {what}", seat.member.path));
+            }
+        }
+        self.fit_at_rest(c, w, x).or(differs)
     }
 
     fn invariants(&self, c: &Context, w: &mut Scratch) -> Vec<Invariant> {

@@ -584,3 +584,110 @@ fn the_angle_of_a_turning_shaft_begins_as_it_is_written() {
     assert_eq!(run.column("angle.u")[0], 0.0);
     assert!((run.last("angle.u") - 200.0).abs() < 1e-4, "{}", run.last("angle.u"));
 }
+
+/// A linkage of four bars in space, on two ball joints. Were its loop open, or anything moving, it would be pulled together.
+#[test]
+fn closed_loops_with_ball_joints_are_closed_at_rest() {
+    let run = stays(
+        r#"Diagram(
+            simulation: (stop_time: "0.3 s", start: Steady),
+            blocks: {
+                "world": World,
+                "b0": Body(mass: 1.0, com: [0.1, 0, 0], moi: [0.001, 0.01, 0.01], poi: [0, 0, 0]),
+                "b1": Body(mass: 2.0, com: [0.25, 0, 0], moi: [0.001, 0.04, 0.04], poi: [0, 0, 0]),
+                "b2": Body(mass: 1.0, com: [0, 0, 0.2], moi: [0.02, 0.02, 0.001], poi: [0, 0, 0]),
+                "j0": RevoluteJoint(axis: [0, 1, 0], position: "3 deg", damping: 0.05),
+                "j1": SphericalJoint(damping: 0.02), "j2": SphericalJoint(damping: 0.02),
+                "j3": RevoluteJoint(axis: [0, 1, 0], stiffness: 6, damping: 0.1),
+                "ta": Transform(translation: [0.158, 0, 0], rpy: [0.2, 0.1, 0.4]), "tb": Transform(translation: [0.479, 0, 0]),
+                "tc": Transform(translation: [0, 0, 0.495]), "tg": Transform(translation: [0.5, -0.1, 0], rpy: [0.1, 0.2, 0.3]),
+                "show": Scope(inputs: ["q0", "w0", "a0", "q3", "w3", "a3"]),
+            },
+            connections: [
+                "world.frame <-> j0.base <-> tg.base", "j0.follower <-> b0.frame <-> ta.base", "ta.follower <-> j1.base",
+                "j1.follower <-> b1.frame <-> tb.base", "tb.follower <-> j2.base", "j2.follower <-> tc.follower",
+                "tc.base <-> b2.frame <-> j3.follower", "j3.base <-> tg.follower", "j0.q -> show.q0", "j0.w -> show.w0",
+                "j0.a -> show.a0", "j3.q -> show.q3", "j3.w -> show.w3", "j3.a -> show.a3",
+            ],
+        )"#,
+        1e-9,
+    );
+    for signal in ["w0", "a0", "w3", "a3"] {
+        assert!(run.column(&format!("show.{signal}"))[0].abs() < 1e-9, "{signal}");
+    }
+}
+
+/// A mass of 2 kg under 10 N towards an end of travel at zero, 0.3 m away: it lies there, and so says who measures it.
+#[test]
+fn ends_of_travel_are_reached_but_not_passed() {
+    let sliding = |stop: &str| {
+        stays(
+            &diagram(
+                "",
+                &format!(
+                    r#""m": Mass(m: "2 kg"), "f": ConstantForce(f: "-10 N"), "s": {stop}, "d": TranslationalDamper(d: 5),
+                       "h": TranslationalReference, "ms": TranslationalMotionSensor(x0: "0.3 m"), "show": Scope(inputs: ["x", "v", "stop"])"#
+                ),
+                r#""m.r <-> f.r <-> s.r <-> d.r <-> ms.r", "f.c <-> s.c <-> d.c <-> h.r <-> ms.c", "ms.x -> show.x", "ms.v -> show.v",
+                   "s.x -> show.stop""#,
+            ),
+            1e-9,
+        )
+    };
+    for (stop, depth) in [
+        (r#"TranslationalRigidStop(lower: "0 m", upper: "1 m", x0: "0.3 m")"#, 1e-12),
+        (r#"TranslationalHardStop(lower: "0 m", upper: "1 m", x0: "0.3 m")"#, 1e-3),
+    ] {
+        let run = sliding(stop);
+        let [x, v, own] = ["x", "v", "stop"].map(|signal| run.column(&format!("show.{signal}"))[0]);
+        assert!(
+            x <= 0.0 && x > -depth && (x - own).abs() < 1e-9 && v.abs() < 1e-9,
+            "{stop}: {x}, {own}, {v}"
+        );
+    }
+    // The other end of a joint that turns, and one that a body falls on.
+    for (joint, body, drive, end) in [
+        (
+            r#"RevoluteJoint(axis: [0, 0, 1], position: "20 deg", lower: "-30 deg", upper: "40 deg", damping: 0.1)"#,
+            "com: [0.3, 0, 0]",
+            0.2,
+            40_f64.to_radians(),
+        ),
+        (
+            r#"PrismaticJoint(axis: [0, 0, 1], position: "0.2 m", lower: "0 m", upper: "1 m", damping: 5)"#,
+            "com: [0, 0, 0]",
+            0.0,
+            0.0,
+        ),
+    ] {
+        let (is_turning, unit) =
+            (joint.starts_with("Rev"), if joint.starts_with("Rev") { "N*m" } else { "N" });
+        let (place, speed, effort) = if is_turning { ("q", "w", "torque") } else { ("x", "v", "force") };
+        let run = stays(
+            &diagram(
+                "",
+                &format!(
+                    r#""world": World, "j": {joint}, "b": Body(mass: "2 kg", {body}, moi: [0.01, 0.02, 0.02]), "t": Constant(value: "{drive} {unit}"),
+                       "show": Scope(inputs: ["q", "w"])"#
+                ),
+                &format!(
+                    r#""world.frame <-> j.base", "j.follower <-> b.frame", "t.y -> j.{effort}", "j.{place} -> show.q", "j.{speed} -> show.w""#
+                ),
+            ),
+            1e-8,
+        );
+        let (q, w) = (run.column("show.q")[0], run.column("show.w")[0]);
+        assert!((q - end).abs() < 2e-3 && w.abs() < 1e-9, "{joint}: {q}, {w}");
+    }
+    let run = stays(
+        &diagram(
+            "",
+            r#""j": Inertia(j: 0.01), "t": ConstantTorque(tau: "0.5 N*m"), "s": RotationalRigidStop(lower: "-20 deg", upper: "30 deg"),
+               "d": RotationalDamper(d: 0.05), "h": RotationalReference, "ms": MotionSensor, "show": Scope(inputs: ["x", "stop"])"#,
+            r#""j.r <-> t.r <-> s.r <-> d.r <-> ms.r", "t.c <-> s.c <-> d.c <-> h.r <-> ms.c", "ms.phi -> show.x", "s.phi -> show.stop""#,
+        ),
+        1e-9,
+    );
+    let end = 30_f64.to_radians();
+    assert!((run.last("show.stop") - end).abs() < 1e-9 && (run.last("show.x") - end).abs() < 1e-9);
+}

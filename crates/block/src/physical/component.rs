@@ -126,6 +126,12 @@ pub trait Component: Any + Debug + Send + Sync {
         false
     }
 
+    /// Brings its states to where they can be, once a search for a steady state has found something; says by how much they were elsewhere, in
+    /// words such as `is 3 mm beyond its end`.
+    fn fit(&self, _c: &Flowing, _x: &mut [f64]) -> Option<String> {
+        None
+    }
+
     /// Functions whose sign changes are events; as many as [`Part::guards`].
     fn guards(&self, _c: &Flowing, _g: &mut [f64]) {}
 

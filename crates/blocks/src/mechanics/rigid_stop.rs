@@ -52,6 +52,16 @@ impl Component for RigidStop {
         self.ends(self.place(c)).zip(g).for_each(|((_, distance), g)| *g = distance);
     }
 
+    fn fit(&self, _c: &Flowing, x: &mut [f64]) -> Option<String> {
+        let [lower, upper] =
+            [self.lower, self.upper].map(|end| end.map(|end| (end, AT_END * end.abs().max(LEAST))));
+        let below = lower.filter(|(end, close)| x[0] < end - close);
+        let (end, _) = below.or(upper.filter(|(end, close)| x[0] > end + close))?;
+        let beyond = (x[0] - end).abs();
+        x[0] = end;
+        Some(format!("is {beyond:.3e} rad or m beyond its end"))
+    }
+
     fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = c.speed[0];
     }

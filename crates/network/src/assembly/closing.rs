@@ -21,7 +21,7 @@ const TRIES: usize = 12;
 /// Gaps, rad and m: as good as none; larger than rounding explains; what axes and lengths of a few printed digits leave.
 const CLOSED: f64 = 1e-13;
 const ROUNDED: f64 = 1e-10;
-const ACCEPTED: f64 = 1e-6;
+pub(crate) const ACCEPTED: f64 = 1e-6;
 /// Speeds that miss by this part of the largest fit.
 const FITTING: f64 = 1e-13;
 
@@ -113,7 +113,7 @@ fn aside(mobility: &[f64], attempt: usize) -> Vec<f64> {
 }
 
 /// Newton's method from `q`; returns the gap that remains.
-fn close(model: &Model, data: &mut Data, loops: &[Loop], mobility: &[f64], q: &mut [f64]) -> f64 {
+pub(crate) fn close(model: &Model, data: &mut Data, loops: &[Loop], mobility: &[f64], q: &mut [f64]) -> f64 {
     let n = model.dof();
     let mut least = f64::INFINITY;
     let mut idle = 0;

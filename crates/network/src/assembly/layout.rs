@@ -56,8 +56,16 @@ impl Network {
     ) -> Result<Self, Vec<NetworkProblem>> {
         let (positions, joints) = (frames.position.len(), frames.speeds.len());
         let mut interface = Interface::new().implicit();
-        for (name, position) in frames.position_names.iter().zip(&frames.position) {
-            interface = interface.drifting_state(name.clone(), *position);
+        // What has an end of travel does not go on for ever.
+        let ends = |i: usize| {
+            let of = frames.speeds.iter().filter(|speed| speed.position == Some(i));
+            of.flat_map(|speed| members[speed.member].part.travel).any(|end| end.is_some())
+        };
+        for (i, (name, position)) in frames.position_names.iter().zip(&frames.position).enumerate() {
+            interface = match ends(i) {
+                true => interface.state(name.clone(), *position),
+                false => interface.drifting_state(name.clone(), *position),
+            };
         }
         if let Some(tree) = &frames.model {
             let turns = tree.bodies().filter(|body| matches!(tree.joint(*body), Joint::Revolute { .. }));

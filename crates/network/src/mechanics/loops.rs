@@ -15,9 +15,10 @@
 //! no event and no jump, so that it works with every method and in every minor step.
 
 use blocksim_block::Context;
-use blocksim_multibody::{Data, add_jacobian, bias_accelerations};
+use blocksim_multibody::{Data, add_jacobian, bias_accelerations, forward_kinematics};
 use nalgebra::Vector3;
 
+use crate::assembly::closing::{ACCEPTED, close};
 use crate::mechanics::frames::Loop;
 use crate::mechanics::place::rotation_vector;
 use crate::network::Network;
@@ -136,6 +137,26 @@ impl Network {
             return false;
         }
         true
+    }
+}
+
+impl Network {
+    /// Closes loops of bodies that a search for a state of rest has left open, with all joints at rest; says which one gaped most.
+    pub(crate) fn close_at_rest(&self, c: &Context, w: &mut Work, x: &mut [f64]) -> Option<String> {
+        let (Some(model), Some(data)) = (&self.frames.model, &mut w.data) else { return None };
+        let gap = |closing: &Loop, data: &Data| {
+            let [turn, way] = closing.gap(data);
+            turn.amax().max(way.amax())
+        };
+        forward_kinematics(model, data, self.positions(c));
+        let open = self.frames.loops.iter().map(|closing| (gap(closing, data), closing));
+        let (most, closing) = open.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(gap, _)| *gap > ACCEPTED)?;
+        let path = &self.seats[closing.member].member.path;
+        let mut q = self.positions(c).to_vec();
+        close(model, data, &self.frames.loops, &vec![1.0; model.dof()], &mut q);
+        x[..q.len()].copy_from_slice(&q);
+        x[self.positions..self.positions + self.rotation.free].fill(0.0);
+        Some(format!("the closed loop of bodies through `{path}` gapes by {most:.3e} rad or m"))
     }
 }
 

@@ -83,7 +83,8 @@ impl Simulation {
         let is_far = |(before, after): (&f64, &f64)| after.abs() > FAR * before.abs().max(1.0);
         if before.iter().zip(&self.x).any(is_far) {
             let conditions = Conditions::new(self, asked, strict);
-            let judged = Search::new(conditions, go).judge().and_then(|lost| lost.map_or(Ok(()), Err));
+            let judged =
+                Search::new(conditions, go, &mut None).judge().and_then(|lost| lost.map_or(Ok(()), Err));
             judged.map_err(|failure| self.failed(asked, failure))?;
         }
         Ok(found)
@@ -104,14 +105,15 @@ impl Simulation {
         strict: bool,
         go: &mut dyn FnMut() -> bool,
     ) -> Result<Rest, SimError> {
-        let (mut evaluations, mut round) = (0, 0);
+        let (mut evaluations, mut round, mut begin) = (0, 0, None);
         let names = diagnose::state_names(&self.schedule);
         let mut fitted: Vec<bool> = vec![false; self.x.len()];
         loop {
             round += 1;
             let conditions = Conditions::new(self, asked, strict);
-            let mut rest =
-                Search::new(conditions, go).run().map_err(|failure| self.failed(asked, failure))?;
+            let mut rest = Search::new(conditions, go, &mut begin)
+                .run()
+                .map_err(|failure| self.failed(asked, failure))?;
             evaluations += rest.evaluations;
             let evaluated = self.diagram.continuous(self.t, &self.x);
             self.held(evaluated)?;

@@ -59,6 +59,7 @@ pub(super) struct Lost {
 }
 
 /// Slopes of the equations and which of them are needed.
+#[derive(Clone)]
 struct Slopes {
     matrix: DMatrix<f64>,
     needed: Vec<bool>,
@@ -76,8 +77,17 @@ pub(super) struct Search<'s, 'g> {
     rest: Vec<f64>,
     /// Sizes of the unknowns where the search began.
     origin: Vec<f64>,
-    /// Where the search began, and how the rates of what nothing depends on were those of other states there.
-    begin: Option<(Vec<f64>, Vec<Led>)>,
+    /// Where the first of several searches began.
+    begin: &'g mut Option<Begin>,
+}
+
+/// Where a search began.
+pub(super) struct Begin {
+    z: Vec<f64>,
+    /// How the rates of what nothing depends on were those of other states there.
+    led: Vec<Led>,
+    /// The slopes there, where anything could be led.
+    slopes: Option<Slopes>,
 }
 
 /// The rate of an unknown on which nothing depends, as a sum of those of others: numbers and factors.
@@ -89,10 +99,14 @@ fn size(z: &f64) -> f64 {
 }
 
 impl<'s, 'g> Search<'s, 'g> {
-    pub fn new(conditions: Conditions<'s>, go: &'g mut dyn FnMut() -> bool) -> Self {
+    pub fn new(
+        conditions: Conditions<'s>,
+        go: &'g mut dyn FnMut() -> bool,
+        begin: &'g mut Option<Begin>,
+    ) -> Self {
         let rest = vec![0.0; conditions.equations()];
         let origin = conditions.present().iter().map(size).collect();
-        Self { conditions, go, rest, origin, begin: None }
+        Self { conditions, go, rest, origin, begin }
     }
 
     pub fn run(mut self) -> Result<Rest, Failure> {
@@ -135,7 +149,9 @@ impl<'s, 'g> Search<'s, 'g> {
         self.conditions.settle(&mut z)?;
         let mut slopes = self.slopes(&z)?;
         if self.begin.is_none() {
-            self.begin = Some((z.clone(), slopes.led(self.conditions.states())));
+            let led = slopes.led(self.conditions.states());
+            let is_small = !slopes.idle.is_empty() && slopes.sizes.len() <= MANY;
+            *self.begin = Some(Begin { z: z.clone(), led, slopes: is_small.then(|| slopes.clone()) });
         }
         let mut patience = PATIENCE;
         for _ in 0..STEPS {
@@ -233,22 +249,31 @@ impl<'s, 'g> Search<'s, 'g> {
     /// spring. Only where their rates are bound at both ends of the way in the same manner, as those of one place are. Whether anything
     /// has moved.
     fn lead(&self, z: &mut [f64], slopes: &Slopes, rest: &[f64]) -> bool {
-        let Some((begin, led)) = &self.begin else { return false };
+        let Some(Begin { z: begin, led, slopes: first }) = &*self.begin else { return false };
         let before = z.to_vec();
         let now = slopes.led(self.conditions.states());
-        for (own, factors) in led {
+        let idle = slopes.idle.iter().map(|(own, _)| *own);
+        for own in idle {
             // What goes on moving has no place of its own: the angle of a shaft that turns stays as it is written.
-            if rest[*own].abs() > HOLDS * slopes.sizes[*own] {
+            if rest[own].abs() > HOLDS * slopes.sizes[own] {
                 continue;
             }
-            let Some((_, others)) = now.iter().find(|(other, _)| other == own) else { continue };
-            let largest =
-                factors.iter().chain(others).fold(0.0, |most: f64, (_, factor)| most.max(factor.abs()));
-            let factor =
-                |all: &[(usize, f64)], k: usize| all.iter().find(|(i, _)| *i == k).map_or(0.0, |(_, f)| *f);
-            let mut both = factors.iter().chain(others).map(|(k, _)| *k);
-            if both.all(|k| (factor(factors, k) - factor(others, k)).abs() <= LED * largest) {
-                z[*own] = begin[*own] + factors.iter().map(|(k, f)| f * (z[*k] - begin[*k])).sum::<f64>();
+            let of = |all: &'_ [Led]| {
+                all.iter().find(|(other, _)| *other == own).map(|(_, factors)| factors.clone())
+            };
+            let is_kept = |factors: &Vec<(usize, f64)>, by: &Slopes| by.follows(own, factors);
+            let factors =
+                of(&now).filter(|factors| first.as_ref().is_some_and(|first| is_kept(factors, first)));
+            let factors = factors.or_else(|| of(led).filter(|factors| is_kept(factors, slopes)));
+            // Where all is held at the end, nothing else tells what has been one place.
+            let beside = || {
+                let first = first.as_ref()?;
+                let moved = (0..self.conditions.states()).filter(|&k| k != own && before[k] != begin[k]);
+                let mut beside = moved.filter_map(|k| Some(vec![(k, first.proportion(own, k)?)]));
+                beside.find(|factors| is_kept(factors, slopes) || slopes.is_held(factors[0].0))
+            };
+            if let Some(factors) = factors.or_else(beside) {
+                z[own] = begin[own] + factors.iter().map(|(k, f)| f * (z[*k] - begin[*k])).sum::<f64>();
             }
         }
         before != z
@@ -476,6 +501,35 @@ impl Slopes {
             (idle[k].0, others.collect())
         });
         led.collect()
+    }
+
+    /// What a change of an unknown by its size makes of an equation, needed or not.
+    fn row(&self, i: usize, j: usize) -> f64 {
+        let idle = self.idle.iter().find(|(k, _)| *k == i);
+        idle.map_or_else(|| self.matrix[(i, j)], |(_, slopes)| slopes[j]) * self.sizes[j]
+    }
+
+    /// Whether no unknown moves another one.
+    fn is_held(&self, i: usize) -> bool {
+        (0..self.sizes.len()).all(|j| self.row(i, j) == 0.0)
+    }
+
+    /// The factor by which the rate of an unknown is that of another one, if both move.
+    fn proportion(&self, own: usize, other: usize) -> Option<f64> {
+        let columns = 0..self.sizes.len();
+        let most = columns.max_by(|a, b| self.row(own, *a).abs().total_cmp(&self.row(own, *b).abs()))?;
+        let factor = self.row(own, most) / self.row(other, most);
+        let moves = factor != 0.0 && factor.is_finite();
+        (moves && self.follows(own, &[(other, factor)])).then_some(factor)
+    }
+
+    /// Whether the rate of an unknown is this sum of those of others.
+    fn follows(&self, own: usize, factors: &[(usize, f64)]) -> bool {
+        let row = |i: usize, j: usize| self.row(i, j);
+        let columns = 0..self.sizes.len();
+        let largest = columns.clone().fold(0.0, |most: f64, j| most.max(row(own, j).abs()));
+        let left = |j: usize| row(own, j) - factors.iter().map(|(k, f)| f * row(*k, j)).sum::<f64>();
+        columns.into_iter().all(|j| left(j).abs() <= LED * largest)
     }
 
     fn longest(&self, step: &[f64]) -> f64 {
