@@ -341,3 +341,27 @@ fn a_loop_that_contracts_is_solved_at_the_kinks_of_two_unknowns() {
         );
     }
 }
+
+/// Where branches are chosen a guard may be a rounding below zero. It must be there as well where the step begins, or it is not seen to cross.
+#[test]
+fn a_condition_of_a_loop_that_is_solved_by_iteration_is_never_passed_over() {
+    for frequency in [0.7, 1.1, 1.73, 2.9, 3.3] {
+        for bias in [0.0, 0.3, 0.7, 1.1] {
+            for k in [0.4, 1.9, 3.3] {
+                let run = simulate(
+                    "Auto",
+                    &format!(
+                        r#""u": Sine(amplitude: 2.21, frequency: "{frequency} Hz"), "c": Constant(value: {bias:?}), "e": Sum(signs: "+-+"),
+                           "x": Expression(law: "if(u > 0.3, 0.3 + 0.5*(u - 0.3), u)"), "t": Expression(law: "u + 0.3*tanh(u)"),
+                           "k": Gain(k: {k:?}), "show": Scope(inputs: ["e", "x"])"#
+                    ),
+                    r#""u.y -> e.u1", "c.y -> e.u3", "e.y -> x.u, show.e", "x.y -> t.u, show.x", "t.y -> k.u", "k.y -> e.u2""#,
+                );
+                for (e, x) in run.column("show.e").iter().zip(run.column("show.x")) {
+                    let expected = if *e > 0.3 { 0.3 + 0.5 * (e - 0.3) } else { *e };
+                    assert!((x - expected).abs() < 1e-5, "{frequency}, {bias}, {k}: {x} for {e}");
+                }
+            }
+        }
+    }
+}

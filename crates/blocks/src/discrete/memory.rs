@@ -49,6 +49,12 @@ impl Block for Memory {
         false
     }
 
+    fn rest(&self, c: &Context, d: &mut [f64]) -> bool {
+        let n = d.len() / 2;
+        d.iter_mut().enumerate().for_each(|(i, d)| *d = at(c.input(0), i % n.max(1)));
+        true
+    }
+
     fn accept(&self, _c: &Context, d: &mut [f64]) -> bool {
         let (y, u) = d.split_at_mut(d.len() / 2);
         let changed = y != u;

@@ -142,7 +142,7 @@ impl Work {
         let mut largest = about.evaluate(z, f).ok_or(Why::Block)?;
         let mut keeps = false;
         let (mut side, mut passes) = (Side::Exact, 0);
-        'corrections: for _ in 0..CORRECTIONS {
+        'corrections: for count in 0..CORRECTIONS {
             if n > 0 {
                 Self::keep(tried, z[0]);
             }
@@ -173,6 +173,12 @@ impl Work {
             }
             if step.iter().any(|step| !step.is_finite()) {
                 return Err(Why::Singular);
+            }
+            // What has been found once stays to the last digit: were it to move by rounding, a guard that was just below zero where branches
+            // were chosen could begin a step just above it, and would not be seen to cross.
+            if count == 0 && sought == 0 && (0..n).all(|i| step[i].abs() <= CLOSE * z[i].abs()) {
+                about.evaluate(z, f).ok_or(Why::Block)?;
+                return if is_lost(slopes, sought) { Err(Why::Singular) } else { Ok(()) };
             }
             let mut share = 1.0;
             let left = loop {
