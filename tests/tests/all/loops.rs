@@ -365,3 +365,31 @@ fn a_condition_of_a_loop_that_is_solved_by_iteration_is_never_passed_over() {
         }
     }
 }
+
+/// Play and a limited rate around which a static feedback closes follow those of the closed loop. At their turns the input that follows from
+/// one mode is a rounding away from asking for the other.
+#[test]
+fn play_and_limited_rates_do_not_chatter_in_a_loop() {
+    for (block, closed) in [
+        (r#"Backlash(width: 0.3)"#, r#"Backlash(width: "0.3/1.9")"#),
+        (r#"RateLimiter(rising: 2.6, falling: -3.9)"#, r#"RateLimiter(rising: 2.6, falling: -3.9)"#),
+    ] {
+        for frequency in [0.49, 1.01, 1.7] {
+            let run = simulate(
+                "Auto",
+                &format!(
+                    r#""u": Sine(amplitude: 2.2, frequency: "{frequency} Hz"), "e": Sum(signs: "+-"), "x": {block}, "k": Gain(k: 0.9),
+                       "alone": Gain(k: "1/1.9"), "closed": {closed}, "show": Scope(inputs: ["x", "closed"])"#
+                ),
+                r#""u.y -> e.u1, alone.u", "e.y -> x.u", "x.y -> k.u, show.x", "k.y -> e.u2", "alone.y -> closed.u", "closed.y -> show.closed""#,
+            );
+            for (row, (x, closed)) in run.column("show.x").iter().zip(run.column("show.closed")).enumerate() {
+                assert!(
+                    (x - closed).abs() < 1e-6,
+                    "{block}, {frequency} Hz: {x} instead of {closed} at {}",
+                    run.time[row]
+                );
+            }
+        }
+    }
+}

@@ -44,15 +44,16 @@ impl Backlash {
         clamp(last, u - 0.5 * self.width, u + 0.5 * self.width)
     }
 
-    /// Which flank carries.
-    fn flank(&self, u: f64, last: f64) -> f64 {
-        if u - 0.5 * self.width >= last {
-            UPWARDS
-        } else if u + 0.5 * self.width <= last {
-            DOWNWARDS
-        } else {
-            NONE
+    /// Which flank carries, where `before` has carried: the same one as long as nothing but rounding is against it. In an algebraic loop the
+    /// input follows from the flank, and would have it change to and fro.
+    fn flank(&self, u: f64, last: f64, before: f64) -> f64 {
+        if self.width == 0.0 {
+            return UPWARDS;
         }
+        let rounding = ROUNDING * (u.abs() + last.abs() + self.width);
+        let beyond = |flank: f64| flank * (u - last) - 0.5 * self.width;
+        let carries = |flank: &f64| beyond(*flank) > if before == *flank { -rounding } else { rounding };
+        [UPWARDS, DOWNWARDS].into_iter().find(carries).unwrap_or(NONE)
     }
 
     /// The outputs and flanks at the end of a step or behind a jump; whether another flank carries now.
@@ -60,8 +61,9 @@ impl Backlash {
         let (last, flanks) = d.split_at_mut(inputs.len());
         let mut changed = false;
         for ((last, flank), u) in last.iter_mut().zip(flanks).zip(inputs) {
+            let before = *flank;
+            *flank = self.flank(*u, *last, before);
             *last = self.follow(*u, *last);
-            let before = std::mem::replace(flank, self.flank(*u, *last));
             changed |= *flank != before;
         }
         changed

@@ -57,9 +57,11 @@ const NOTHING: f64 = 0.0;
 const FAR: f64 = 1.0;
 
 fn mode(u: f64, last: f64) -> f64 {
-    if u > last {
+    // In an algebraic loop the input follows from the mode, and rounding would have it change to and fro.
+    let rounding = ROUNDING * (u.abs() + last.abs());
+    if u > last + rounding {
         RISING
-    } else if u < last {
+    } else if u < last - rounding {
         FALLING
     } else {
         NOTHING

@@ -147,8 +147,10 @@ impl Guards {
             return Ok(());
         }
         self.known = true;
-        diagram.minor(t, x)?;
-        diagram.guards(&mut self.start)?;
+        diagram.loops.stays = true;
+        let known = diagram.minor(t, x).and_then(|()| diagram.guards(&mut self.start));
+        diagram.loops.stays = false;
+        known?;
         diagram.steady_guards(&mut self.start);
         Ok(())
     }

@@ -8,9 +8,9 @@
 //! Branches of blocks, which are chosen at major steps, are held while z is sought, as are truth values and whole numbers that are
 //! cut; then all are chosen anew, until none changes any more.
 //!
-//! Constraints are part of this: what their blocks write at the cuts is to become zero, instead of z. It may have another unit
-//! than z, so nothing is concluded from its size: either z is found to so many digits, or what is left over is no more than
-//! rounding makes of the signals of the loop, which is measured by changing one after the other.
+//! Signals of a loop may have any units, so nothing is concluded from the size of another one: either z is found to so many digits, or
+//! what is left over is no more than rounding makes of the numbers that the loop reads, which is measured by changing one after the
+//! other. Constraints are part of this: what their blocks write at the cuts is to become zero, instead of z.
 
 mod elimination;
 mod newton;
@@ -46,6 +46,10 @@ pub(crate) struct Loops {
     pub rings: Vec<Ring>,
     /// Solutions at the last major step, loop by loop.
     pub anchors: Vec<f64>,
+    /// Whether this is the instant of the last major step, with its states, so that its solutions stay to the last digit. Were they to move by
+    /// rounding, a guard that was just below zero where branches were chosen could begin a step just above it, and would not be seen to
+    /// cross. At other times what depends on a solution must follow the smallest changes.
+    pub stays: bool,
     /// Of loops that are affine.
     factors: Vec<Factors>,
     work: Work,
@@ -162,7 +166,7 @@ impl Loops {
             None | Some(Form::Nonlinear) => Factors::default(),
             Some(form) => Factors::new(ring.cells.len(), form == Form::Constant),
         });
-        Self { factors: factors.collect(), anchors, work: Work::new(n), rings }
+        Self { factors: factors.collect(), anchors, work: Work::new(n), rings, stays: false }
     }
 }
 
@@ -209,8 +213,20 @@ impl Diagram {
         let calls = &plan.major[ring.first..ring.first + ring.count];
         let (first, touch) = (ring.first, None::<fn(usize, &mut [f64])>);
         let chosen = ring.chosen.iter().zip(held).all(|(&cell, held)| signals[cell] == *held);
-        let mut round =
-            Round { ring, calls, first, now, signals, d, scratch, tapes: None, held, touch, failed: None };
+        let mut round = Round {
+            ring,
+            calls,
+            first,
+            now,
+            signals,
+            d,
+            scratch,
+            tapes: None,
+            held,
+            stays: false,
+            touch,
+            failed: None,
+        };
         work.start[..n].copy_from_slice(&work.z[..n]);
         work.z[..n].copy_from_slice(before);
         let is_solved = chosen && work.is_rounding(n, ring.sought, &mut round);
@@ -265,7 +281,7 @@ impl Diagram {
     ) -> Result<(), Failed> {
         let number = ring;
         let Self { plan, now, signals, d, scratch, loops, .. } = self;
-        let Loops { rings, anchors, factors, work } = loops;
+        let Loops { rings, anchors, factors, work, stays } = loops;
         let ring = &rings[number];
         let calls: &[Call] = match pass {
             Pass::Major => &plan.major[first..first + ring.count],
@@ -276,8 +292,20 @@ impl Diagram {
         let (before, held) = anchors[ring.anchors.clone()].split_at(n);
         let tapes = plan.fused.loops[number].as_ref().filter(|_| touch.is_none());
         let chooses = pass == Pass::Major && touch.is_none();
-        let mut round =
-            Round { ring, calls, first, now, signals, d, scratch, tapes, held, touch, failed: None };
+        let mut round = Round {
+            ring,
+            calls,
+            first,
+            now,
+            signals,
+            d,
+            scratch,
+            tapes,
+            held,
+            stays: *stays,
+            touch,
+            failed: None,
+        };
         work.z[..n].copy_from_slice(before);
         let mut solved = match tapes.map(|tapes| tapes.form) {
             Some(Form::Affine | Form::Constant) => work.eliminate(n, &mut factors[number], &mut round),
@@ -352,6 +380,7 @@ struct Round<'a, T> {
     tapes: Option<&'a LoopTapes>,
     /// What is chosen at the cuts.
     held: &'a [f64],
+    stays: bool,
     touch: Option<T>,
     /// The block that could not go on, and why.
     failed: Option<(usize, String)>,
@@ -378,25 +407,32 @@ impl<T: FnMut(usize, &mut [f64])> Round<'_, T> {
         self.now.evaluation += 1;
         self.hand(z);
         let nudge = |behind: Option<usize>, signals: &mut [f64]| match nudged {
-            Some((Seen::Signal(cell, written), by)) if written == behind => signals[cell] *= by,
+            Some((Seen::Signal(cell, written), by)) if written == behind && behind.is_some() => {
+                signals[cell] *= by
+            }
             _ => (),
         };
-        nudge(None, self.signals);
-        let state = match nudged {
-            Some((Seen::State(i), by)) => Some((&mut self.now.x[i], by)),
-            // A whole number may be a mode.
-            Some((Seen::Held(i), by)) if self.d[i].fract() != 0.0 => Some((&mut self.d[i], by)),
-            _ => None,
-        };
-        let before = state.map(|(state, by)| std::mem::replace(state, *state * by));
+        let given = nudged.and_then(|(seen, by)| {
+            let given = self.given(seen)?;
+            // A whole discrete state may be a mode.
+            let is_mode = matches!(seen, Seen::Held(_)) && given.fract() == 0.0;
+            (!is_mode).then(|| (seen, std::mem::replace(given, *given * by)))
+        });
         let found = self.go_round(f, nudge);
-        match (nudged, before) {
-            (Some((Seen::Signal(cell, None), by)), _) => self.signals[cell] /= by,
-            (Some((Seen::State(i), _)), Some(before)) => self.now.x[i] = before,
-            (Some((Seen::Held(i), _)), Some(before)) => self.d[i] = before,
-            _ => (),
+        if let Some((seen, before)) = given {
+            self.given(seen).into_iter().for_each(|given| *given = before);
         }
         found
+    }
+
+    /// A number that is known before the loop is gone round.
+    fn given(&mut self, seen: Seen) -> Option<&mut f64> {
+        match seen {
+            Seen::Signal(cell, None) => Some(&mut self.signals[cell]),
+            Seen::Signal(_, Some(_)) => None,
+            Seen::State(i) => Some(&mut self.now.x[i]),
+            Seen::Held(i) => Some(&mut self.d[i]),
+        }
     }
 
     /// Evaluates the blocks of the loop one after the other, with a change of signals behind each.
@@ -431,6 +467,10 @@ impl<T: FnMut(usize, &mut [f64])> Given for Round<'_, T> {
             // Once more, to find out which block it was.
         }
         self.nudged(z, f, None)
+    }
+
+    fn stays(&self) -> bool {
+        self.stays
     }
 
     fn noise(&mut self, z: &[f64], f: &mut [f64], next: &mut [f64], noise: &mut [f64]) -> bool {

@@ -48,6 +48,9 @@ pub(super) trait Given {
     /// Writes F(z); returns the size of the largest signal that had a part in it, or `None` where F is not defined.
     fn evaluate(&mut self, z: &[f64], f: &mut [f64]) -> Option<f64>;
 
+    /// Whether a solution that is known stays as it is, to the last digit.
+    fn stays(&self) -> bool;
+
     /// Writes to `noise` what a change of each signal of the loop, one after the other, by its rounding makes of F, which is `f` at z;
     /// `next` is room. Returns whether F is defined there.
     fn noise(&mut self, z: &[f64], f: &mut [f64], next: &mut [f64], noise: &mut [f64]) -> bool;
@@ -174,9 +177,8 @@ impl Work {
             if step.iter().any(|step| !step.is_finite()) {
                 return Err(Why::Singular);
             }
-            // What has been found once stays to the last digit: were it to move by rounding, a guard that was just below zero where branches
-            // were chosen could begin a step just above it, and would not be seen to cross.
-            if count == 0 && sought == 0 && (0..n).all(|i| step[i].abs() <= CLOSE * z[i].abs()) {
+            let is_known = count == 0 && sought == 0 && about.stays();
+            if is_known && (0..n).all(|i| step[i].abs() <= CLOSE * z[i].abs()) {
                 about.evaluate(z, f).ok_or(Why::Block)?;
                 return if is_lost(slopes, sought) { Err(Why::Singular) } else { Ok(()) };
             }
