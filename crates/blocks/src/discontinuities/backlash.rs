@@ -56,17 +56,21 @@ impl Backlash {
         [UPWARDS, DOWNWARDS].into_iter().find(carries).unwrap_or(NONE)
     }
 
-    /// The outputs and flanks at the end of a step or behind a jump; whether another flank carries now.
-    fn keep(&self, inputs: &[f64], d: &mut [f64]) -> bool {
+    /// The flanks that carry now; whether they are others.
+    fn choose(&self, inputs: &[f64], d: &mut [f64]) -> bool {
         let (last, flanks) = d.split_at_mut(inputs.len());
         let mut changed = false;
-        for ((last, flank), u) in last.iter_mut().zip(flanks).zip(inputs) {
+        for ((last, flank), u) in last.iter().zip(flanks).zip(inputs) {
             let before = *flank;
             *flank = self.flank(*u, *last, before);
-            *last = self.follow(*u, *last);
             changed |= *flank != before;
         }
         changed
+    }
+
+    /// Notes the outputs.
+    fn note(&self, inputs: &[f64], d: &mut [f64]) {
+        d.iter_mut().zip(inputs).for_each(|(last, u)| *last = self.follow(*u, *last));
     }
 }
 
@@ -81,13 +85,21 @@ impl Block for Backlash {
             .memory("y", n, self.y0)
             .modes("flank", n, 0.0, FLANKS)
             .settles()
-            .accepts();
+            .accepts()
+            .jumps()
+            .jump_called("");
         let interface = interface.guard_each_when(Crossing::Holds, "flank", n);
         Ok(interface.guard_each_when(Crossing::Peak, "turns", n).called_by_mode())
     }
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
-        self.keep(c.u, d);
+        self.choose(c.u, d);
+    }
+
+    /// Nothing jumps here: it is where all inputs are known. Noted before, iterates of an algebraic loop would carry the output.
+    fn jump(&self, c: &Context, _w: &mut Scratch, _x: &mut [f64], d: &mut [f64]) -> bool {
+        self.note(c.u, d);
+        false
     }
 
     /// Which flank carries is held between instants. The guards are how far a flank has carried since the last step, or how far both
@@ -116,7 +128,9 @@ impl Block for Backlash {
     }
 
     fn accept(&self, c: &Context, d: &mut [f64]) -> bool {
-        self.keep(c.u, d)
+        let changed = self.choose(c.u, d);
+        self.note(c.u, d);
+        changed
     }
 }
 
