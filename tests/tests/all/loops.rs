@@ -394,3 +394,23 @@ fn play_and_limited_rates_do_not_chatter_in_a_loop() {
         }
     }
 }
+
+/// A solution that is followed may end, where it meets another one. The third is none that it goes over to: nothing in the model says how.
+#[test]
+fn a_solution_that_ends_is_not_exchanged_for_another_one() {
+    // y^3 - 3 y = u has no solution near -1 beyond u = 2; y - 2 tanh(y) = -u none near 0.88 beyond u = 0.53.
+    for (law, slope, end) in [("u + 4*q - q^3", 1.0, 2.0), ("2*tanh(q) + u", 1.0, 0.5328)] {
+        let (message, t) = {
+            let text = format!(
+                r#"Diagram(simulation: (stop_time: 4, output: Every("50 ms")),
+                    blocks: {{ "u": Ramp(slope: {slope:?}), "f": Expression(law: "{law}"), "show": Scope(inputs: ["y"]) }},
+                    connections: ["u.y -> f.u", "f.y -> f.q, show.y"])"#
+            );
+            let (compiled, problems) = compile_text(&text);
+            let error = run(compiled.schedule.unwrap_or_else(|| panic!("{problems}"))).error.expect("an end");
+            (error.message, error.t)
+        };
+        assert!(message.contains("has no solution that could be found"), "{law}: {message}");
+        assert!(t >= end - 1e-6 && t < end + 0.1, "{law}: {t}");
+    }
+}

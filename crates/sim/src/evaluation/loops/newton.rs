@@ -267,8 +267,10 @@ impl Work {
             for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
                 let Some((mut a, at_a)) = *end else { continue };
                 let mut b = start + sign * distance;
-                // Beyond where the loop is not defined there is nothing to be found.
-                *end = rest(b).map(|at_b| (b, at_b));
+                // Beyond where the loop is not defined there is nothing to be found. Nor where what is left over grows on the way: a solution behind
+                // that is another one than the one that was followed, which has ended.
+                let is_nearer = |at_b: &f64| at_b.abs() <= at_a.abs() || (*at_b > 0.0) != (at_a > 0.0);
+                *end = rest(b).filter(is_nearer).map(|at_b| (b, at_b));
                 if end.is_none_or(|(_, at_b)| (at_b > 0.0) == (at_a > 0.0)) {
                     continue;
                 }
@@ -293,17 +295,26 @@ impl Work {
     #[cold]
     pub fn go_round(&mut self, n: usize, about: &mut impl Given) -> bool {
         // The search is told as it was if this fails as well.
-        let Self { z: found, start, next: z, step: f, .. } = self;
-        let (z, f) = (&mut z[..n], &mut f[..n]);
+        let Self { z: found, start, next: z, step: f, trial, given, .. } = self;
+        let (z, f, trial, given) = (&mut z[..n], &mut f[..n], &mut trial[..n], &mut given[..n]);
         z.copy_from_slice(&start[..n]);
+        let mut before = f64::INFINITY;
         for _ in 0..TIMES_ROUND {
             if about.evaluate(z, f).is_none() {
                 return false;
             }
-            if greatest(n, |i| (f[i] - z[i]) / z[i].abs().max(f[i].abs())) <= CLOSE {
-                found[..n].copy_from_slice(z);
-                return true;
+            let way = greatest(n, |i| f[i] - z[i]);
+            let is_found = greatest(n, |i| (f[i] - z[i]) / z[i].abs().max(f[i].abs())) <= CLOSE;
+            // What does not come nearer at each time contracts nowhere, and may end at another solution than the one that was followed; or
+            // nothing but rounding is left.
+            if is_found || way >= before {
+                let is_solved = is_found || is_rounding(n, z, f, trial, given, about);
+                if is_solved {
+                    found[..n].copy_from_slice(z);
+                }
+                return is_solved;
             }
+            before = way;
             z.copy_from_slice(f);
         }
         false
