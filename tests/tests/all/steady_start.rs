@@ -176,6 +176,7 @@ fn delays_are_full_of_what_comes_in() {
         r#"TransportDelay(delay: "0.5 s")"#,
         r#"Delay(ts: "20 ms", steps: 7)"#,
         r#"UnitDelay(ts: "20 ms")"#,
+        r#"FirstOrderHold(ts: "20 ms")"#,
         r#"ZeroOrderHold(ts: "20 ms")"#,
         r#"RateLimiter(rising: 1, falling: -1)"#,
         r#"DiscreteTransferFunction(ts: "20 ms", num: [0.1], den: [1, -0.9])"#,

@@ -1,6 +1,6 @@
 use blocksim_block::prelude::*;
 
-use crate::continuous::units::agrees_as_written;
+use crate::continuous::units::{agrees_as_written, element};
 use crate::math::Entries;
 
 /// Joins samples by straight lines: a first-order hold, delayed by one sample.
@@ -8,7 +8,8 @@ use crate::math::Entries;
 /// $$ y(t) = u_{k-1} + (u_k - u_{k-1}) \frac{t - t_k}{T_s}, \qquad t_k \le t \le t_{k+1}, \qquad u_{-1} = x_0 $$
 ///
 /// The output is continuous and reaches each sample one sample time after it was taken; nothing is extrapolated. It makes a smooth
-/// course of set points that come at a slow rate. No direct feedthrough. Vectors element by element.
+/// course of set points that come at a slow rate. No direct feedthrough. Vectors element by element. In a subsystem that pauses, the
+/// line stops meanwhile.
 ///
 /// ```ron
 /// FirstOrderHold(ts: "50 ms")
@@ -24,19 +25,17 @@ pub struct FirstOrderHold {
     pub x0: Entries,
 }
 
-/// What is as near as this to a sample, as a part of both samples, has reached it but for rounding.
+/// What is as near as this to the end of a line, as a part of it, is there but for rounding.
 const ROUNDED: f64 = 1e-11;
 
 impl Block for FirstOrderHold {
+    /// Discrete states: where the line begins and ends, element by element, and when it began.
     fn interface(&self, given: &Given) -> Result<Interface, InterfaceError> {
         let u = given.input_or_unknown("u");
         agrees_as_written(self.x0.written(given, "x0"), "x0", "u", u.dimension)?;
         let shape = given.common_shape(&["u"], &[self.x0.shape])?;
         let y = Output::like("y", u.shaped(shape));
         let mut interface = Interface::new().input(Input::real("u")).output(y);
-        for i in 0..shape.len() {
-            interface = interface.state_in("x", self.x0.at(i), u.dimension);
-        }
         for name in ["from", "to"] {
             let first = interface.discrete.len();
             interface = interface.memory(name, shape.len(), 0.0);
@@ -45,26 +44,36 @@ impl Block for FirstOrderHold {
                 .enumerate()
                 .for_each(|(i, cell)| cell.initial = self.x0.at(i));
         }
-        Ok(interface.memory("slope", shape.len(), 0.0).sampled(self.ts))
+        // At the start the line before is at its end.
+        Ok(interface.discrete("since", -self.ts).sampled(self.ts).uses_time())
     }
 
-    /// The slope leads from where the state is, so rounding does not add up; but the state only nearly gets to the sample, and what
-    /// holds a value must not wander about it. So the output stays between both samples, and is the second one in the end.
+    /// A line is a weighted mean of both samples, which is linear in them wherever it is. Both ends are met to the last digit: what
+    /// holds a value must not wander about it.
     fn law(&self, l: &Recording) -> bool {
         let n = l.width(0);
+        let (t, since) = (l.time(), l.d()[2 * n]);
+        // A late time has fewer digits for what is left of a line.
+        let left = since + self.ts - t;
+        let is_over = left.live(Relation::LessEqual, ROUNDED * self.ts + 4.0 * f64::EPSILON * t.abs());
+        let share = is_over.select(l.constant(1.0), (t - since) / self.ts);
+        let is_near = share.live(Relation::GreaterEqual, l.constant(0.5));
         for i in 0..n {
-            let [from, to, slope] = [i, n + i, 2 * n + i].map(|cell| l.d()[cell]);
-            let (x, u) = (l.x()[i], l.element(0, i));
-            let arrives = (x - to).abs().live(Relation::LessEqual, ROUNDED * (from.abs() + to.abs()));
-            let y = arrives.select(to, x.max(from.min(to)).min(from.max(to)));
+            let [from, to] = [i, n + i].map(|cell| l.d()[cell]);
+            let way = to - from;
+            let y = is_near.select(to - way * (1.0 - share), from + way * share);
             l.set(0, i, y);
-            l.derive(i, slope);
-            // In a subsystem that pauses a hit may come before the sample is reached: the next line begins where this one has got to.
+            // In a subsystem that pauses a hit may come before the line is at its end: the next one begins where this one has got to.
             l.update(i, y);
-            let stays = arrives.and(u.live(Relation::Equal, to));
-            l.update(n + i, u);
-            l.update(2 * n + i, stays.select(l.constant(0.0), (u - x) / self.ts));
+            l.update(n + i, l.element(0, i));
         }
+        l.update(2 * n, t);
+        true
+    }
+
+    fn rest(&self, c: &Context, d: &mut [f64]) -> bool {
+        let n = d.len() / 2;
+        d[..2 * n].iter_mut().enumerate().for_each(|(i, d)| *d = element(c.input(0), i % n.max(1)));
         true
     }
 }

@@ -442,3 +442,29 @@ fn a_run_that_holds_samples_says_how_they_are_taken_as_they_are() {
     let text = String::from_utf8_lossy(&text.stdout).into_owned();
     assert!(text.contains("from hit to hit of 0.1 s: poles") && text.ends_with("stable\n"), "{text}");
 }
+
+/// Lines of a hold lead to samples wherever it is, also where all are equal: at rest.
+#[test]
+fn a_first_order_hold_in_a_loop_has_the_poles_of_its_difference_equation_at_rest_and_under_way() {
+    for (at, start) in [("0s", 0.0), ("0s", 1.0), ("0.35s", 1.0), ("0.62s", -3.0)] {
+        let model = format!(
+            r#"Diagram(
+                simulation: (stop_time: "1 s"),
+                blocks: {{
+                    "demand": Constant(value: 0), "error": Sum(signs: "+-"), "k": Gain(k: "5 1/s"),
+                    "hold": FirstOrderHold(ts: "0.1 s"), "x": Integrator(x0: {start}), "scope": Scope,
+                }},
+                connections: [
+                    "demand.y -> error.u1", "error.y -> k.u", "k.y -> hold.u", "hold.y -> x.u", "x.y -> error.u2, scope.u",
+                ],
+            )"#
+        );
+        let desk = desk("first_order_hold", &model);
+        let found = desk.json(&["m.ron", "--sampled", "--at", at]);
+        // x+ = x + T (w - K x) / 2, w+ = -K x.
+        let closed = [1.0, 5.0 * 0.1 / 2.0 - 1.0, 5.0 * 0.1 / 2.0];
+        let all: Vec<(f64, f64)> =
+            poles(&found).into_iter().filter(|(re, im)| re.hypot(*im) > 1e-6).collect();
+        assert!(all.len() == 2 && all.iter().all(|pole| polynomial(&closed, *pole) < 1e-8), "{at}: {all:?}");
+    }
+}

@@ -30,7 +30,7 @@ pub(crate) struct Conditional {
     ports: Vec<Vec<usize>>,
     /// First discrete state of the block itself that holds its outputs, if it has some.
     holds: Option<usize>,
-    /// Whether the block measures the time since the last step.
+    /// Whether the block measures the time since the last step or hit.
     own_time: bool,
 }
 
@@ -77,7 +77,7 @@ impl Conditional {
             ports.map(|(port, _)| port).collect()
         };
         let ports = (0..interface.groups.len()).map(of).collect();
-        let own_time = interface.accepts && interface.uses_time;
+        let own_time = interface.uses_time && (interface.accepts || sampled);
         Self { free, shows_states, ports, own_time, holds: interface.holds, inner, triggered, resets, pauses }
     }
 
@@ -398,6 +398,9 @@ impl Conditional {
                 "has continuous states, which do not change at the instants of a trigger",
                 "use a sampled block such as DiscreteIntegrator, which is updated at each trigger, or `enable` in place of `trigger`",
             );
+        }
+        if self.triggered && interface.uses_time && interface.sample_time.is_some() {
+            return refused("goes on from hit to hit, but between triggers nothing moves", outside);
         }
         if self.triggered && interface.accepts {
             return refused("follows its input over time, but between triggers it sees none", outside);

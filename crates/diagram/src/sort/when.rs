@@ -16,7 +16,7 @@ pub(super) fn when(order: &Order, sorted: &Sorted, rates: &HashMap<usize, usize>
     for (block, group) in &sorted.groups {
         let interface = &order.typed.interfaces[*block];
         // A block with continuous states is evaluated between its hits, too, and so is one that changes by itself there.
-        let stands = interface.states.is_empty() && !interface.subdivides;
+        let stands = interface.states.is_empty() && !interface.subdivides && !interface.uses_time;
         let found = if let (Some(rate), true) = (rates.get(block), stands) {
             When::Sampled(*rate as u32)
         } else if interface.sample_time == Some(SampleTime::Constant) {

@@ -67,6 +67,25 @@ fn states_that_are_reset_begin_anew_and_outputs_hold_meanwhile() {
     }
 }
 
+/// A line from 0 to 0.25 begins at 0.25 s, stands from 5/12 s to 13/12 s, and ends at 7/6 s; the next one begins at 1.25 s.
+#[test]
+fn a_line_between_samples_stops_with_its_subsystem() {
+    let inside = r#"Diagram(inputs: { "u": () }, outputs: { "y": "hold.y" },
+        blocks: { "hold": FirstOrderHold(ts: "0.25 s") }, connections: ["in.u -> hold.u"])"#;
+    for solver in ["Ode45", "Auto", "Ode4(step: \"1 ms\")"] {
+        let run = in_sine(solver, "enable: Held", inside, ENABLE);
+        for (t, y) in run.column("show.y") {
+            let ran: f64 = windows(t).iter().map(|(on, off)| off - on).sum::<f64>() - (0.25 - ON);
+            let expected = match t {
+                ..1.25 => ran.clamp(0.0, 0.25),
+                ..1.5 => 0.25 + ((t - 1.25) / 0.25).min((OFF - 0.25) / 0.25),
+                _ => continue,
+            };
+            assert!((y - expected).abs() < 5e-3, "{solver}: {y} at {t} s instead of {expected}");
+        }
+    }
+}
+
 #[test]
 fn an_output_holds_what_it_was_at_the_very_time_of_disabling() {
     for (solver, slack) in [("Ode45", 1e-9), ("Ode4(step: \"1 ms\")", 2.1e-3)] {
