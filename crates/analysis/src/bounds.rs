@@ -46,10 +46,11 @@ impl<'a> Window<'a> {
         if self.ahead.is_empty() && self.next < self.series.time.len() {
             self.look_ahead();
         }
-        self.ahead.front().is_some_and(|(time, _)| *time <= t + self.half).then(|| self.ahead.pop_front())?
+        let end = t + self.half + self.slack;
+        self.ahead.front().is_some_and(|(time, _)| *time <= end).then(|| self.ahead.pop_front())?
     }
 
-    /// Minimum and maximum within `half` of `t`, which must not fall from call to call. Values that are not finite are left
+    /// Minimum and maximum within `half` of `t`, or as near as rounding of times, which must not fall from call to call. Values that are not finite are left
     /// out.
     pub fn around(&mut self, t: f64) -> Option<(f64, f64)> {
         while let Some(new) = self.come_in(t) {
@@ -65,7 +66,7 @@ impl<'a> Window<'a> {
             }
         }
         for candidates in [&mut self.low, &mut self.high] {
-            while candidates.front().is_some_and(|(time, _)| *time < t - self.half) {
+            while candidates.front().is_some_and(|(time, _)| *time < t - self.half - self.slack) {
                 candidates.pop_front();
             }
         }
@@ -117,5 +118,20 @@ mod tests {
         let found = around(Interpolation::Smooth);
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
         assert!(around(Interpolation::Linear).iter().all(|high| *high <= top(2.0)));
+    }
+
+    /// 0.117 - 0.01 is a rounding above 0.107.
+    #[test]
+    fn a_row_exactly_at_the_end_of_the_window_is_within() {
+        let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.001).collect();
+        for at in 20..980 {
+            let values: Vec<f64> = (0..1000).map(|k| f64::from(k >= at)).collect();
+            let series = Series::new(&time, &values);
+            let mut window = Window::new(series, Interpolation::Linear, 0.01, 1e-12);
+            // Late and early by the tolerance: the row that has changed, and the one that has not yet.
+            for t in [time[at as usize - 10], time[at as usize - 1 + 10]] {
+                assert_eq!(window.around(t), Some((0.0, 1.0)), "{at} at {t}");
+            }
+        }
     }
 }

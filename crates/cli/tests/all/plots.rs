@@ -417,6 +417,53 @@ fn two_runs_are_the_same_within_or_different() {
     assert_eq!(desk.call(&["compare", "a", "d", "--overlap", "--abs", "1e-3deg"]).0, 0);
 }
 
+/// What lies within the largest step of either recording is no end: here 0.45 s of 1 s.
+#[test]
+fn a_recording_that_ends_early_does_not_agree() {
+    let rows = |rows: &[(f64, f64)]| {
+        let rows: String = rows.iter().map(|(t, x)| format!("{t},{x}\n")).collect();
+        format!("time [s],x [m]\n{rows}")
+    };
+    let baseline = [(0.0, 0.0), (0.01, 0.0), (0.5, 0.0), (0.97, 0.0), (0.97, 5.0), (1.0, 5.0)];
+    let early = [(0.0, 0.0), (0.001, 0.0), (0.5, 0.0), (0.951, 0.0)];
+    let late = [(0.02, 0.0), (0.5, 0.0), (0.97, 0.0), (0.97, 5.0), (1.0, 5.0)];
+    // The next sample would be behind the end, or at it.
+    let coarse: Vec<(f64, f64)> = (0..3).map(|k| (0.4 * f64::from(k), 0.0)).collect();
+    let fine: Vec<(f64, f64)> = (0..100).map(|k| (0.01 * f64::from(k), 5.0 * f64::from(k > 97))).collect();
+    let desk = Desk::with(&[
+        ("baseline.csv", &rows(&baseline)),
+        ("early.csv", &rows(&early)),
+        ("late.csv", &rows(&late)),
+        ("coarse.csv", &rows(&coarse)),
+        ("flat.csv", &rows(&[(0.0, 0.0), (1.0, 0.0)])),
+        ("fine.csv", &rows(&fine)),
+    ]);
+    let verdict = |baseline: &str, other: &str, more: &[&str]| {
+        let words = [&["compare", baseline, other, "--json", "--interpolation", "linear"], more].concat();
+        let json: serde_json::Value = serde_json::from_str(&desk.call(&words).1).expect("JSON");
+        json["signals"][0]["verdict"].as_str().expect("a verdict").to_owned()
+    };
+    assert_eq!(verdict("baseline.csv", "early.csv", &[]), "short");
+    assert_eq!(verdict("baseline.csv", "late.csv", &[]), "short");
+    assert_eq!(verdict("baseline.csv", "fine.csv", &["--abs", "5m"]), "short");
+    assert_eq!(verdict("flat.csv", "coarse.csv", &[]), "same");
+    assert_eq!(verdict("baseline.csv", "early.csv", &["--overlap"]), "same");
+    assert_eq!(verdict("baseline.csv", "late.csv", &["--time-tolerance", "30ms"]), "same");
+    assert_eq!(verdict("early.csv", "baseline.csv", &[]), "same");
+}
+
+/// Whichever of both has no unit is taken to be in that of the other.
+#[test]
+fn a_table_without_units_agrees_from_either_side() {
+    let desk =
+        Desk::with(&[("deg.csv", "time [s],x [deg]\n0,0\n1,90\n"), ("none.csv", "time,x\n0,0\n1,90\n")]);
+    for (baseline, other) in [("deg.csv", "none.csv"), ("none.csv", "deg.csv")] {
+        let (code, _, err) = desk.call(&["compare", baseline, other, "--range", "1e-12"]);
+        assert_eq!(code, 0, "{err}");
+        assert!(err.contains("note: `none.csv` has no units; assuming `x` in deg"), "{err}");
+    }
+}
+
 #[test]
 fn a_tolerance_in_degrees_celsius_is_a_difference() {
     let table = |middle: f64| format!("time [s],x [degC]\n0,20\n1,{middle}\n2,20\n");

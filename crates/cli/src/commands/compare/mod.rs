@@ -119,17 +119,21 @@ fn chosen(args: &CompareArgs, books: &[Book; 2]) -> Result<Vec<usize>, Failure> 
 
 /// Says which columns without a unit are taken to be in which.
 fn say_units(chosen: &[usize], books: &[Book; 2], console: Console) {
-    let bare = chosen.iter().filter_map(|&at| {
-        let trace = &books[0].traces[at];
-        let there = books[1].find(&trace.path).filter(|&there| books[1].is_readable(there))?;
-        let other = &books[1].traces[there];
-        (trace.has_unit && !other.has_unit && trace.unit.to_string() != "1").then_some(trace)
-    });
-    let bare: Vec<String> = bare.map(|trace| format!("`{}` in {}", trace.path, trace.unit)).collect();
-    if !bare.is_empty() {
-        let more = if bare.len() > 4 { " and so on" } else { "" };
-        let some = bare.iter().take(4).cloned().collect::<Vec<_>>().join(", ");
-        console.say(&format!("note: `{}` has no units; assuming {some}{more}", books[1].name));
+    for (without, with) in [(1, 0), (0, 1)] {
+        let bare = chosen.iter().filter_map(|&at| {
+            let trace = &books[0].traces[at];
+            let there = books[1].find(&trace.path).filter(|&there| books[1].is_readable(there))?;
+            let both = [trace, &books[1].traces[there]];
+            let unit = both[with].unit.to_string();
+            let is_assumed = both[with].has_unit && !both[without].has_unit && unit != "1";
+            is_assumed.then(|| format!("`{}` in {unit}", trace.path))
+        });
+        let bare: Vec<String> = bare.collect();
+        if !bare.is_empty() {
+            let more = if bare.len() > 4 { " and so on" } else { "" };
+            let some = bare.iter().take(4).cloned().collect::<Vec<_>>().join(", ");
+            console.say(&format!("note: `{}` has no units; assuming {some}{more}", books[without].name));
+        }
     }
 }
 

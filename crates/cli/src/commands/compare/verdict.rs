@@ -136,10 +136,23 @@ pub fn without_turns(mut a: Column, mut b: Column, trace: &Trace) -> (Column, Co
     (a, b)
 }
 
-/// What is covered, if that is less than the baseline by more than a step and the time tolerance.
+/// What is covered, if that is less than the baseline by more than the time tolerance. Samples at equal distances cover what is left up to
+/// the next one, if that would lie beyond the baseline.
 fn short(a: Series, b: Series, args: &CompareArgs) -> Option<(f64, f64)> {
     let ((from, to), (begin, end)) = (a.span()?, b.span()?);
-    let step = |s: Series| s.time.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max).min((to - from) / 20.0);
-    let room = args.time_tolerance + step(a).max(step(b)) + 1e-9 * (to - from).abs();
-    (begin > from + room || end < to - room).then_some((from.max(begin), to.min(end)))
+    let rounding = 1e-9 * (to - from).abs();
+    let room = args.time_tolerance + rounding;
+    let grid = even_step(b).map_or(0.0, |step| (step - rounding).max(0.0));
+    let is_late = begin > from + room && begin - grid >= from;
+    let is_early = end < to - room && end + grid <= to;
+    (is_late || is_early).then_some((from.max(begin), to.min(end)))
+}
+
+/// The distance of samples that all have the same one.
+fn even_step(series: Series) -> Option<f64> {
+    let (first, last) = (series.time.first()?, series.time.last()?);
+    let steps = series.time.len() - 1;
+    let step = (last - first) / steps as f64;
+    let is_even = |(k, t): (usize, &f64)| (t - first - k as f64 * step).abs() <= 1e-6 * step;
+    (steps > 1 && series.time.iter().enumerate().all(is_even)).then_some(step)
 }

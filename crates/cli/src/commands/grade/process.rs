@@ -1,8 +1,9 @@
 //! A command of this program as another process, with a limit of time.
 
 use std::ffi::OsStr;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -16,8 +17,10 @@ use crate::running::interrupt;
 const LOOK: Duration = Duration::from_millis(10);
 /// How long a process that was asked to end may take.
 const END: Duration = Duration::from_secs(3);
+/// How long the last words of a process that has ended may be on their way.
+const LEFT: Duration = Duration::from_millis(200);
 /// Bytes that are kept of what a process says.
-const KEPT: u64 = 16 << 20;
+const KEPT: usize = 16 << 20;
 
 /// What a command has said, and how it ended.
 pub struct Said {
@@ -48,19 +51,20 @@ pub fn said(words: &[&OsStr], limit: Duration) -> Result<Said, Failure> {
     let unable = |error: std::io::Error| {
         Failure::new(Exit::Files, "grade", format!("the program cannot call itself: {error}"))
     };
-    let mut child = Command::new(std::env::current_exe().map_err(unable)?)
-        .args(words)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .map_err(unable)?;
+    let program = std::env::current_exe().map_err(unable)?;
+    said_by(Command::new(program).args(words), limit).map_err(unable)
+}
+
+fn said_by(command: &mut Command, limit: Duration) -> std::io::Result<Said> {
+    // What a plug-in starts belongs to the same group, and ends with it.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     let begin = Instant::now();
-    let (out, err) = (text(child.stdout.take()), text(child.stderr.take()));
-    let (code, is_late) = wait(&mut child, begin, limit).map_err(unable)?;
+    let (out, err) = (Reader::new(child.stdout.take()), Reader::new(child.stderr.take()));
+    let (code, is_late) = wait(&mut child, begin, limit)?;
     let took = begin.elapsed();
-    let read = |reader: JoinHandle<String>| reader.join().unwrap_or_default();
-    Ok(Said { code, is_late, out: read(out), err: read(err), took })
+    Ok(Said { code, is_late, out: out.text(&child), err: err.text(&child), took })
 }
 
 /// Waits for the end, or makes one.
@@ -96,14 +100,72 @@ fn ask(child: &Child) {
     let _ = child;
 }
 
-/// All that a process says, on a thread of its own, so that it never waits for a reader.
-fn text(from: Option<impl Read + Send + 'static>) -> JoinHandle<String> {
-    std::thread::spawn(move || {
-        let mut bytes = Vec::new();
-        if let Some(mut from) = from {
-            let _ = from.by_ref().take(KEPT).read_to_end(&mut bytes);
-            let _ = std::io::copy(&mut from, &mut std::io::sink());
+/// Ends what a process that has ended has left behind.
+fn end_group(child: &Child) {
+    #[cfg(unix)]
+    let _ = Command::new("kill")
+        .args(["-KILL", "--", &format!("-{}", child.id())])
+        .stderr(Stdio::null())
+        .status();
+    #[cfg(not(unix))]
+    let _ = child;
+}
+
+/// Reads all that a process says on a thread of its own, so that it never waits for a reader.
+struct Reader {
+    read: Arc<Mutex<Vec<u8>>>,
+    thread: JoinHandle<()>,
+}
+
+impl Reader {
+    fn new(from: Option<impl Read + Send + 'static>) -> Self {
+        let read = Arc::new(Mutex::new(Vec::new()));
+        let kept = Arc::clone(&read);
+        let thread = std::thread::spawn(move || {
+            let Some(mut from) = from else { return };
+            let mut room = vec![0; 1 << 16];
+            loop {
+                let n = match from.read(&mut room) {
+                    Ok(n @ 1..) => n,
+                    Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                    _ => return,
+                };
+                let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+                let left = KEPT.saturating_sub(kept.len());
+                kept.extend_from_slice(&room[..n.min(left)]);
+            }
+        });
+        Self { read, thread }
+    }
+
+    /// What the process has said, which has ended. The end of it is not seen while something that the process has started is still there.
+    fn text(self, child: &Child) -> String {
+        let begin = Instant::now();
+        let mut has_ended = false;
+        while !self.thread.is_finished() && begin.elapsed() < END {
+            if !has_ended && begin.elapsed() > LEFT {
+                end_group(child);
+                has_ended = true;
+            }
+            std::thread::sleep(LOOK);
         }
-        String::from_utf8_lossy(&bytes).into_owned()
-    })
+        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        String::from_utf8_lossy(&read).into_owned()
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_process_leaves_behind_is_not_waited_for() {
+        for (behind, code) in [("", 3), ("sleep 60 &", 3), ("setsid sleep 60 &", 3)] {
+            let begin = Instant::now();
+            let script = format!("echo out; echo err >&2; {behind} exit {code}");
+            let said = said_by(Command::new("sh").args(["-c", &script]), Duration::from_secs(30)).unwrap();
+            assert_eq!((said.code, said.out.as_str(), said.err.as_str()), (Some(code), "out\n", "err\n"));
+            assert!(!said.is_late && begin.elapsed() < Duration::from_secs(20), "{behind}");
+        }
+    }
 }
