@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::motion::{AxisKind, AxisLimits};
 use crate::robot::Robot;
+use blocksim_multibody::Data;
 use nalgebra::{DMatrix, Vector3};
 
 use crate::planner::arm::Arm;
@@ -141,65 +142,172 @@ pub struct Findings {
     pub violations: Vec<Violation>,
 }
 
-/// Looks at a move on both sides of its seams, where the acceleration may jump, and at many times between.
+/// Looks at a move on both sides of its seams, where the acceleration may jump, at many times between, and closer where something is
+/// largest.
 ///
 /// The acceleration of the tool is $\ddot x = J \ddot q + \dot J \dot q$; torques are those of the inverse dynamics with what the
 /// drives need for themselves ([`Robot::motor_torques`]), of axes whose motors have a limit.
 pub fn inspect(robot: &Robot, course: &dyn Course, scrutiny: &Scrutiny) -> Findings {
-    let limits = robot.limits();
+    let mut look = Look::new(robot, course);
     let times = looks(course, scrutiny.waypoints.max(FEWEST));
-    let efforts: Vec<f64> = robot.drives().map(|drive| drive.limit).collect();
-    let mut axes: Vec<AxisExtremes> =
-        limits.iter().zip(&efforts).map(|(limits, effort)| none(limits, *effort)).collect();
-    let kinds: Vec<AxisKind> = limits.iter().map(|limits| limits.kind).collect();
-    let mut seen = Seen { course, kinds, violations: Vec::new() };
-    let (mut arm, mut data) = (Arm::new(robot), robot.model().data());
-    let n = course.axes();
-    let (mut q, mut v, mut a, mut tau) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    let (mut tool_speed, mut tool_acceleration, mut tool_turning) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for (k, t) in times.iter().enumerate() {
-        for (i, (extremes, limits)) in axes.iter_mut().zip(&limits).enumerate() {
-            let state @ [position, speed, acceleration] = course.at(i, *t);
-            if k > 0 {
-                seen.see(Quantity::Jump, Some(i), *t, (position - q[i]).abs(), jump(limits.kind), TOLERANCE);
-            }
-            (q[i], v[i], a[i]) = (position, speed, acceleration);
-            extremes.lowest = extremes.lowest.min(position);
-            extremes.highest = extremes.highest.max(position);
-            extremes.speed = extremes.speed.max(speed.abs());
-            extremes.acceleration = extremes.acceleration.max(acceleration.abs());
-            seen.axis(i, *t, state, limits);
+    let mut before: Option<Vec<f64>> = None;
+    let mut sizes = Vec::with_capacity(times.len());
+    for t in &times {
+        sizes.push(look.at(*t));
+        if let Some(before) = before.replace(look.q.clone()) {
+            look.jumps(*t, &before);
         }
-        arm.look_moving(&q, &v);
-        let of_tool = |matrix: &DMatrix<f64>, by: &[f64], rows: usize| -> Vector3<f64> {
-            let sum = |row: usize| (0..n).map(|i| matrix[(rows + row, i)] * by[i]).sum();
-            Vector3::new(sum(0), sum(1), sum(2))
-        };
-        let speed = of_tool(&arm.jacobian, &v, 3).norm();
-        let acceleration = (of_tool(&arm.jacobian, &a, 3) + of_tool(&arm.slope, &v, 3)).norm();
-        tool_speed = tool_speed.max(speed);
-        tool_acceleration = tool_acceleration.max(acceleration);
-        tool_turning = tool_turning.max(of_tool(&arm.jacobian, &v, 0).norm());
-        let tool = robot.tcp_limits();
-        seen.see(Quantity::ToolSpeed, None, *t, speed, tool.speed, TOLERANCE);
-        seen.see(Quantity::ToolAcceleration, None, *t, acceleration, tool.acceleration, TOLERANCE);
-        if efforts.iter().any(|limit| limit.is_finite()) {
-            robot.motor_torques(&mut data, &q, &v, &a, &mut tau);
-            for (i, extremes) in axes.iter_mut().enumerate() {
-                let Some(effort) = &mut extremes.torque else { continue };
-                if tau[i].abs() > effort.largest {
-                    (effort.largest, effort.t) = (tau[i].abs(), *t);
-                }
-                seen.see(Quantity::Torque, Some(i), *t, tau[i].abs(), effort.limit, TOLERANCE);
-            }
+    }
+    let mut waypoints = times.len();
+    for quantity in 0..sizes[0].len() {
+        let size = |k: usize| sizes[k][quantity];
+        for k in tops(times.len(), size) {
+            let (from, to) = (times[k.saturating_sub(1)], times[(k + 1).min(times.len() - 1)]);
+            waypoints += look.closer(quantity, from, to);
         }
     }
     let narrowest = course.narrowest();
     if let Some(narrow) = narrowest {
-        seen.see(Quantity::Singularity, None, narrow.t, -narrow.margin, -scrutiny.narrow, 0.0);
+        let margin = -narrow.margin;
+        look.seen.see(Quantity::Singularity, None, narrow.t, margin, -scrutiny.narrow, 0.0);
     }
-    let (waypoints, violations) = (times.len(), seen.all());
+    let Look { axes, tool: [tool_speed, tool_acceleration, tool_turning], seen, .. } = look;
+    let violations = seen.all();
     Findings { waypoints, axes, tool_speed, tool_acceleration, tool_turning, narrowest, violations }
+}
+
+/// Where something has its highest tops, of those that may be the highest between what was looked at.
+fn tops(count: usize, size: impl Fn(usize) -> f64) -> Vec<usize> {
+    /// Tops that are nearly as high may be higher between two looks.
+    const NEARLY: f64 = 0.9;
+    /// What trembles has many.
+    const MOST: usize = 6;
+    let highest = (0..count).map(&size).fold(0.0, f64::max);
+    let is_top = |k: &usize| {
+        let here = size(*k);
+        let sides = [k.checked_sub(1), Some(k + 1).filter(|next| *next < count)].map(|at| at.map(&size));
+        // On level ground nothing is higher in between.
+        here > 0.0
+            && here >= NEARLY * highest
+            && sides.iter().flatten().all(|side| *side <= here)
+            && sides.iter().flatten().any(|side| *side < here)
+    };
+    let mut found: Vec<usize> = (0..count).filter(is_top).collect();
+    found.sort_by(|a, b| size(*b).total_cmp(&size(*a)));
+    found.truncate(MOST);
+    found
+}
+
+/// A robot that is looked at while it moves, and what was found.
+struct Look<'c> {
+    robot: &'c Robot,
+    course: &'c dyn Course,
+    limits: Vec<AxisLimits>,
+    arm: Arm<'c>,
+    data: Data,
+    /// Positions, speeds, accelerations and torques of the axes at the last time.
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+    tau: Vec<f64>,
+    axes: Vec<AxisExtremes>,
+    /// Largest speed, acceleration and angular velocity of the tool.
+    tool: [f64; 3],
+    seen: Seen<'c>,
+}
+
+impl<'c> Look<'c> {
+    fn new(robot: &'c Robot, course: &'c dyn Course) -> Self {
+        let limits = robot.limits();
+        let kinds: Vec<AxisKind> = limits.iter().map(|limits| limits.kind).collect();
+        let axes =
+            limits.iter().zip(robot.drives()).map(|(limits, drive)| none(limits, drive.limit)).collect();
+        let none = vec![0.0; course.axes()];
+        Look {
+            robot,
+            course,
+            arm: Arm::new(robot),
+            data: robot.model().data(),
+            q: none.clone(),
+            v: none.clone(),
+            a: none.clone(),
+            tau: none,
+            axes,
+            limits,
+            tool: [0.0; 3],
+            seen: Seen { course, kinds, violations: Vec::new() },
+        }
+    }
+
+    /// Looks at one time. Returns the sizes of all that may be too large: of the axes positions to both sides, speeds, accelerations and
+    /// torques, of the tool speed, acceleration and angular velocity.
+    fn at(&mut self, t: f64) -> Vec<f64> {
+        let n = self.course.axes();
+        let mut sizes = Vec::with_capacity(5 * n + 3);
+        for (i, (extremes, limits)) in self.axes.iter_mut().zip(&self.limits).enumerate() {
+            let state @ [position, speed, acceleration] = self.course.at(i, t);
+            (self.q[i], self.v[i], self.a[i]) = (position, speed, acceleration);
+            extremes.lowest = extremes.lowest.min(position);
+            extremes.highest = extremes.highest.max(position);
+            extremes.speed = extremes.speed.max(speed.abs());
+            extremes.acceleration = extremes.acceleration.max(acceleration.abs());
+            self.seen.axis(i, t, state, limits);
+            sizes.extend([-position, position, speed.abs(), acceleration.abs()]);
+        }
+        self.arm.look_moving(&self.q, &self.v);
+        let of_tool = |matrix: &DMatrix<f64>, by: &[f64], rows: usize| -> Vector3<f64> {
+            let sum = |row: usize| (0..n).map(|i| matrix[(rows + row, i)] * by[i]).sum();
+            Vector3::new(sum(0), sum(1), sum(2))
+        };
+        let arm = &self.arm;
+        let speed = of_tool(&arm.jacobian, &self.v, 3).norm();
+        let acceleration = (of_tool(&arm.jacobian, &self.a, 3) + of_tool(&arm.slope, &self.v, 3)).norm();
+        let tool = [speed, acceleration, of_tool(&arm.jacobian, &self.v, 0).norm()];
+        self.tool.iter_mut().zip(tool).for_each(|(largest, now)| *largest = largest.max(now));
+        sizes.extend(tool);
+        let limits = self.robot.tcp_limits();
+        self.seen.see(Quantity::ToolSpeed, None, t, speed, limits.speed, TOLERANCE);
+        self.seen.see(Quantity::ToolAcceleration, None, t, acceleration, limits.acceleration, TOLERANCE);
+        if self.axes.iter().any(|axis| axis.torque.is_some()) {
+            self.robot.motor_torques(&mut self.data, &self.q, &self.v, &self.a, &mut self.tau);
+            for (i, extremes) in self.axes.iter_mut().enumerate() {
+                let Some(effort) = &mut extremes.torque else { continue };
+                let size = self.tau[i].abs();
+                if size > effort.largest {
+                    (effort.largest, effort.t) = (size, t);
+                }
+                self.seen.see(Quantity::Torque, Some(i), t, size, effort.limit, TOLERANCE);
+                sizes.push(size);
+            }
+        }
+        sizes
+    }
+
+    /// Whether an axis has jumped since it was at `before`.
+    fn jumps(&mut self, t: f64, before: &[f64]) {
+        for (i, before) in before.iter().enumerate() {
+            let way = (self.q[i] - before).abs();
+            self.seen.see(Quantity::Jump, Some(i), t, way, jump(self.limits[i].kind), TOLERANCE);
+        }
+    }
+
+    /// Looks closer at where a quantity is largest between two times; returns at how many times.
+    fn closer(&mut self, quantity: usize, mut from: f64, mut to: f64) -> usize {
+        const PARTS: u32 = 8;
+        const ROUNDS: usize = 3;
+        for _ in 0..ROUNDS {
+            let at = |k: u32| from + (to - from) * f64::from(k) / f64::from(PARTS);
+            let mut best = (f64::NEG_INFINITY, 0);
+            for k in 0..=PARTS {
+                let size = self.at(at(k))[quantity];
+                if size > best.0 {
+                    best = (size, k);
+                }
+            }
+            (from, to) = (at(best.1.saturating_sub(1)), at((best.1 + 1).min(PARTS)));
+        }
+        ROUNDS * (PARTS as usize + 1)
+    }
 }
 
 /// Limits of the axes that a move exceeds.

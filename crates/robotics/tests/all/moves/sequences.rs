@@ -83,6 +83,42 @@ fn corners_are_rounded_within_their_zones_and_motion_is_continuous() {
     assert!(found.is_empty(), "{found:?}");
 }
 
+/// What is largest, found by looking at very many times.
+fn largest(course: &dyn Course, what: usize) -> Vec<f64> {
+    let at = |axis: usize, k: u32| course.at(axis, course.duration() * f64::from(k) / 40_000.0)[what].abs();
+    (0..course.axes()).map(|axis| (0..=40_000).map(|k| at(axis, k)).fold(0.0, f64::max)).collect()
+}
+
+/// However long the robot waits in between.
+#[test]
+fn what_is_largest_along_a_sequence_is_found() {
+    let robot = robot();
+    let moves = steps(&robot, 0.0);
+    let of = |what: usize| -> Vec<f64> {
+        let each: Vec<Vec<f64>> = moves.iter().map(|step| largest(&*step.course, what)).collect();
+        (0..6).map(|axis| each.iter().map(|of| of[axis]).fold(0.0, f64::max)).collect()
+    };
+    let (speeds, accelerations) = (of(1), of(2));
+    let mut torques: Vec<Vec<f64>> = Vec::new();
+    for wait in [0.0, 3.0, 600.0, 1e5] {
+        let mut waiting = steps(&robot, 0.0);
+        (waiting[0].wait, waiting[1].wait) = (wait, 0.7 * wait);
+        let sequence = Sequence::join(&robot, waiting).unwrap();
+        let found = inspect(&robot, &sequence, &Scrutiny::default());
+        assert!(found.violations.is_empty(), "{wait}: {:?}", found.violations);
+        for (axis, found) in found.axes.iter().enumerate() {
+            let near = |value: f64, exact: f64| (value - exact).abs() < 1e-6 * exact.max(1e-3);
+            assert!(near(found.speed, speeds[axis]), "{wait}: {axis} {} {}", found.speed, speeds[axis]);
+            let (value, exact) = (found.acceleration, accelerations[axis]);
+            assert!(near(value, exact), "{wait}: {axis} {value} {exact}");
+        }
+        torques
+            .push(found.axes.iter().map(|axis| axis.torque.map_or(0.0, |torque| torque.largest)).collect());
+        let first = &torques[0];
+        assert!(torques.iter().flatten().zip(first.iter().cycle()).all(|(a, b)| (a - b).abs() <= 1e-5 * b));
+    }
+}
+
 #[test]
 fn what_is_no_sequence_is_said() {
     let robot = robot();
