@@ -263,6 +263,8 @@ pub struct Interface {
     pub ring: Option<Ring>,
     /// Has `next_event`.
     pub time_events: bool,
+    /// Discrete states hold times for which it waits: a subsystem that pauses it stops its time.
+    pub waits: bool,
     /// Has `next_update` and `tolerate`.
     pub subdivides: bool,
     /// Has `prepare` and `solve`.
@@ -494,6 +496,12 @@ impl Interface {
     /// Has `next_event`.
     pub fn time_events(mut self) -> Self {
         self.time_events = true;
+        self
+    }
+
+    /// Has `next_event`, and holds the times for which it waits in discrete states.
+    pub fn waits(mut self) -> Self {
+        (self.time_events, self.waits) = (true, true);
         self
     }
 

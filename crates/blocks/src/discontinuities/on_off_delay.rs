@@ -33,7 +33,7 @@ impl Block for OnOffDelay {
             .modes("y", 1, 0.0, SWITCHED)
             .discrete("due", -1.0)
             .discrete("started", 0.0)
-            .time_events())
+            .waits())
     }
 
     fn law(&self, l: &Recording) -> bool {

@@ -48,7 +48,7 @@ impl Block for DirectionReverser {
             .called_by_mode()
             .guard("zero")
             .called("turns positive", "turns negative")
-            .time_events())
+            .waits())
     }
 
     fn law(&self, l: &Recording) -> bool {

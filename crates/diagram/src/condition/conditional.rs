@@ -12,8 +12,9 @@ use super::gate::{GateState, gate_input};
 /// it gave last, which the engine keeps for it ([`Interface::holds`]).
 ///
 /// Its discrete states are those of the block, the held outputs, then, if states are reset, the initial values of the continuous and
-/// the discrete states and the time of the last reset, and, if there is a trigger, the time of the last update. A block that measures
-/// the time since the last step has a time of its own, which stands still with it and begins anew with its states: there follow
+/// the discrete states and the times of the last reset of the discrete and of the continuous ones, and, if there is a trigger, the time
+/// of the last update. Discrete states are reset before anything is made of them: others must not act on what they were, at an instant
+/// at which that is no more. A block that measures the time since the last step has a time of its own, which stands still with it and begins anew with its states: there follow
 /// how far it is behind, and when it stopped.
 #[derive(Debug, Clone)]
 pub(crate) struct Conditional {
@@ -30,7 +31,7 @@ pub(crate) struct Conditional {
     ports: Vec<Vec<usize>>,
     /// First discrete state of the block itself that holds its outputs, if it has some.
     holds: Option<usize>,
-    /// Whether the block measures the time since the last step or hit.
+    /// Whether the block measures the time since the last step or hit, or waits for a time.
     own_time: bool,
 }
 
@@ -45,7 +46,7 @@ struct Layout {
     held: usize,
     /// First of the initial values: continuous states, then discrete ones.
     initial: usize,
-    /// The time of the last reset.
+    /// The time of the last reset of the discrete states, then that of the continuous ones.
     reset: usize,
     /// The time of the last update.
     updated: usize,
@@ -77,7 +78,7 @@ impl Conditional {
             ports.map(|(port, _)| port).collect()
         };
         let ports = (0..interface.groups.len()).map(of).collect();
-        let own_time = interface.uses_time && (interface.accepts || sampled);
+        let own_time = interface.uses_time && (interface.accepts || sampled) || interface.waits;
         Self { free, shows_states, ports, own_time, holds: interface.holds, inner, triggered, resets, pauses }
     }
 
@@ -108,13 +109,13 @@ impl Conditional {
     fn layout(&self, c: &Context, states: usize, all: usize) -> Layout {
         let outputs = Self::count_outputs(c);
         let held = if self.holds.is_some() { 0 } else { outputs };
-        let marks = if self.resets { states + 1 } else { 0 }
+        let marks = if self.resets { states + 2 } else { 0 }
             + usize::from(self.triggered)
             + 2 * usize::from(self.own_time);
         let own = (all - held - marks) / if self.resets { 2 } else { 1 };
         let initial = own + held;
         let reset = initial + if self.resets { states + own } else { 0 };
-        let updated = reset + usize::from(self.resets);
+        let updated = reset + if self.resets { 2 } else { 0 };
         Layout {
             own,
             held: self.holds.unwrap_or(own),
@@ -159,6 +160,36 @@ impl Conditional {
         }
     }
 
+    /// Sets the discrete states of a block with so many continuous ones back, if they were not since the last reset; returns whether they
+    /// change.
+    fn begin_anew(&self, c: &Context, states: usize, d: &mut [f64], layout: &Layout) -> bool {
+        let gate = Self::gate(c);
+        if !self.resets || gate.reset < 0.0 || d[layout.reset] == gate.reset {
+            return false;
+        }
+        // What the block inside holds it shows until it runs again, and is reset as late as that.
+        let shown = match self.holds {
+            Some(holds) if !gate.runs(c.t) => holds..holds + Self::count_outputs(c),
+            _ => {
+                d[layout.reset] = gate.reset;
+                0..0
+            }
+        };
+        let (own, rest) = d.split_at_mut(layout.own);
+        let initial = &rest[layout.initial + states - layout.own..][..layout.own];
+        let mut changes = false;
+        for cells in [0..shown.start, shown.end..own.len()] {
+            changes |= own[cells.clone()] != initial[cells.clone()];
+            own[cells.clone()].copy_from_slice(&initial[cells]);
+        }
+        if self.own_time {
+            // Its time begins anew, and stands if it does not run.
+            d[layout.behind] = c.t;
+            d[layout.behind + 1] = if gate.runs(c.t) { RUNNING } else { c.t };
+        }
+        changes
+    }
+
     /// Number of values of all outputs.
     fn count_outputs(c: &Context) -> usize {
         c.outputs.iter().map(|port| port.1 as usize).max().unwrap_or(0)
@@ -198,7 +229,11 @@ impl Block for Conditional {
             interface = interface.memory("held", outputs, 0.0);
         }
         if self.resets {
-            interface = interface.memory("initial", states + own, 0.0).discrete("reset", -1.0);
+            interface = interface.memory("initial", states + own, 0.0).memory("reset", 2, -1.0);
+            if own > 0 {
+                interface.settles = true;
+                interface.settling = interface.settling.map(|_| (0..interface.groups.len()).collect());
+            }
             if states + own > 0 && !interface.jumps {
                 interface.jumps = true;
                 interface.jump_phrase = JumpPhrase("");
@@ -247,6 +282,7 @@ impl Block for Conditional {
 
     fn settle(&self, c: &Context, d: &mut [f64]) {
         let layout = self.layout(c, c.x.len(), d.len());
+        self.begin_anew(c, c.x.len(), d, &layout);
         self.keep_time(c, d, &layout);
         if Self::runs(c) {
             let t = self.time(c, d, &layout);
@@ -256,6 +292,7 @@ impl Block for Conditional {
 
     fn settle_in(&self, group: usize, c: &Context, d: &mut [f64]) {
         let layout = self.layout(c, c.x.len(), d.len());
+        self.begin_anew(c, c.x.len(), d, &layout);
         self.keep_time(c, d, &layout);
         if Self::runs(c) {
             let t = self.time(c, d, &layout);
@@ -305,30 +342,12 @@ impl Block for Conditional {
     fn jump(&self, c: &Context, w: &mut Scratch, x: &mut [f64], d: &mut [f64]) -> bool {
         let layout = self.layout(c, x.len(), d.len());
         let gate = Self::gate(c);
-        let mut jumped = false;
-        if self.resets && gate.reset >= 0.0 && d[layout.reset] != gate.reset {
-            // What the block inside holds it shows until it runs again, and is reset as late as that.
-            let shown = match self.holds {
-                Some(holds) if !gate.runs(c.t) => holds..holds + Self::count_outputs(c),
-                _ => {
-                    d[layout.reset] = gate.reset;
-                    0..0
-                }
-            };
-            let (own, rest) = d.split_at_mut(layout.own);
-            let (of_states, of_own) =
-                rest[layout.initial - layout.own..][..x.len() + layout.own].split_at(x.len());
-            jumped = *x != *of_states;
-            x.copy_from_slice(of_states);
-            for cells in [0..shown.start, shown.end..own.len()] {
-                jumped |= own[cells.clone()] != of_own[cells.clone()];
-                own[cells.clone()].copy_from_slice(&of_own[cells]);
-            }
-            if self.own_time {
-                // Its time begins anew, and stands if it does not run.
-                d[layout.behind] = c.t;
-                d[layout.behind + 1] = if gate.runs(c.t) { RUNNING } else { c.t };
-            }
+        let mut jumped = self.begin_anew(c, x.len(), d, &layout);
+        if self.resets && gate.reset >= 0.0 && d[layout.reset + 1] != gate.reset {
+            let initial = &d[layout.initial..][..x.len()];
+            jumped |= *x != *initial;
+            x.copy_from_slice(initial);
+            d[layout.reset + 1] = gate.reset;
         }
         if gate.runs(c.t) {
             jumped |=
@@ -346,7 +365,20 @@ impl Block for Conditional {
     }
 
     fn next_event(&self, c: &Context) -> f64 {
-        if Self::runs(c) { self.inner.next_event(&self.looking(c)) } else { f64::INFINITY }
+        if !Self::runs(c) {
+            return f64::INFINITY;
+        }
+        let next = self.inner.next_event(&self.looking(c));
+        if !self.own_time || next.is_infinite() {
+            return next;
+        }
+        let behind = c.d[self.layout(c, c.x.len(), c.d.len()).behind];
+        let mut t = next + behind;
+        // By its own time the block must not be a rounding early.
+        while t - behind < next {
+            t = t.next_up();
+        }
+        t
     }
 
     fn accept(&self, c: &Context, d: &mut [f64]) -> bool {

@@ -67,6 +67,134 @@ fn states_that_are_reset_begin_anew_and_outputs_hold_meanwhile() {
     }
 }
 
+/// A counter that each edge resets which it would count stands at 0 always, and so does what is triggered and reset at once at its initial
+/// value: what is reset by an edge of such a signal is never reset.
+#[test]
+fn nobody_sees_what_was_there_before_a_reset() {
+    let count = r#"Diagram(inputs: { "u": () }, outputs: { "y": "c.count" }, blocks: { "c": Counter }, connections: ["in.u -> c.u"])"#;
+    let delay = r#"Diagram(inputs: { "u": () }, outputs: { "y": "d.y" },
+        blocks: { "d": UnitDelay(ts: "1 s", x0: -2) }, connections: ["in.u -> d.u"])"#;
+    let cases = [
+        (count, "reset: Rising", r#""on.y -> sub.u, sub.reset""#, 0.0),
+        (
+            delay,
+            "trigger: Rising, reset: Rising",
+            r#""two.y -> sub.u", "on.y -> sub.trigger, sub.reset""#,
+            -2.0,
+        ),
+    ];
+    for (inside, parameters, connections, stays) in cases {
+        let model = format!(
+            r#"Diagram(
+                simulation: (stop_time: "4.5 s"),
+                blocks: {{
+                    "pulse": Pulse(period: "1 s", width: 0.5, delay: "1 s"), "on": Compare(operator: Greater, constant: 0.5),
+                    "one": Constant(value: 1), "two": Constant(value: 2), "sub": Subsystem(file: "sub.ron", {parameters}),
+                    "integral": Subsystem(file: "integral.ron", reset: Rising), "plain": Integrator(reset: Rising),
+                    "show": Scope(inputs: ["y", "integral", "plain"]),
+                }},
+                connections: [
+                    "pulse.y -> on.u", "sub.y -> integral.reset, plain.reset, show.y", "one.y -> integral.u, plain.u",
+                    "integral.y -> show.integral", "plain.y -> show.plain", {connections},
+                ],
+            )"#
+        );
+        let run = run(&[("model.ron", &model), ("sub.ron", inside), ("integral.ron", INTEGRAL)]);
+        assert!(run.column("show.y").iter().all(|(_, y)| *y == stays));
+        for integral in ["show.integral", "show.plain"] {
+            assert!((run.last(integral) - 4.5).abs() < 1e-9, "{integral}: {}", run.last(integral));
+        }
+        assert!(run.times("integral is reset").is_empty(), "{:?}", run.events);
+    }
+}
+
+/// Both conditions of a subsystem change at one instant: from outside, or because other blocks are reset then. A reset while it is disabled
+/// does not count.
+#[test]
+fn what_is_reset_changes_all_at_once() {
+    let inner = r#"Diagram(inputs: { "u": () }, outputs: { "y": "relay.y" },
+        blocks: { "relay": Relay(on_at: 1, off_at: -1, on: 2, off: -1) }, connections: ["in.u -> relay.u"])"#;
+    let outer = r#"Diagram(inputs: { "u": (), "no": () }, outputs: { "count": "count.count", "on": "inner.y" },
+        blocks: { "count": Counter, "inner": Subsystem(file: "inner.ron", reset: Rising) },
+        connections: ["in.u -> count.u", "count.count -> inner.u", "in.no -> inner.reset"])"#;
+    let model = r#"Diagram(
+        simulation: (stop_time: "5 s"),
+        blocks: {
+            "late": Step(time: "3.5 s"), "pulse": Pulse(period: "1 s", width: 0.5, delay: "1 s"), "no": Constant(value: false),
+            "one": Constant(value: 1), "outer": Subsystem(file: "outer.ron", reset: Rising),
+            "sub": Subsystem(file: "integral.ron", enable: Held, reset: Falling), "show": Scope(inputs: ["y"]),
+        },
+        connections: [
+            "late.y -> outer.reset", "pulse.y -> outer.u", "no.y -> outer.no", "outer.count -> sub.reset", "outer.on -> sub.enable",
+            "one.y -> sub.u", "sub.y -> show.y",
+        ],
+    )"#;
+    let files =
+        [("model.ron", model), ("outer.ron", outer), ("inner.ron", inner), ("integral.ron", INTEGRAL)];
+    let run = run(&files);
+    // Enabled from the first pulse at 1 s to the reset at 3.5 s, and from the pulse at 4 s.
+    assert!((run.last("show.y") - 3.5).abs() < 1e-9, "{}", run.last("show.y"));
+    assert!(run.times("sub is reset").is_empty(), "{:?}", run.events);
+}
+
+/// What has no direct feedthrough closes a loop also where its subsystem may pause or be reset.
+#[test]
+fn a_loop_through_a_state_is_no_algebraic_loop_in_a_conditional_subsystem() {
+    for block in [
+        r#"UnitDelay(ts: "0.1 s", x0: 1)"#,
+        r#"FirstOrderHold(ts: "0.1 s", x0: 1)"#,
+        r#"Delay(ts: "0.1 s", steps: 70, x0: 1)"#,
+        "Memory(x0: 1)",
+        "LowPass(tau: \"1 s\", y0: 1)",
+    ] {
+        for (parameters, gates) in [
+            ("enable: Held", "enable"),
+            ("reset: Rising", "reset"),
+            ("enable: Reset, reset: Rising", "enable, sub.reset"),
+        ] {
+            let inside = format!(
+                r#"Diagram(inputs: {{ "u": () }}, outputs: {{ "y": "state.y" }}, blocks: {{ "state": {block} }}, connections: ["in.u -> state.u"])"#
+            );
+            let model = format!(
+                r#"Diagram(
+                    simulation: (stop_time: "1 s", algebraic_loops: Refuse),
+                    blocks: {{
+                        "sub": Subsystem(file: "sub.ron", {parameters}), "back": Gain(k: -0.5), "on": Constant(value: true),
+                        "show": Scope(inputs: ["y"]),
+                    }},
+                    connections: ["on.y -> sub.{gates}", "sub.y -> back.u, show.y", "back.y -> sub.u"],
+                )"#
+            );
+            let run = run(&[("model.ron", &model), ("sub.ron", &inside)]);
+            assert_eq!(run.column("show.y")[0].1, 1.0, "{block}, {parameters}");
+        }
+    }
+}
+
+/// Its input is true from 1 s to 1.3 s, and from 3.5 s; it sees 0.2 s of the first time, is disabled until 4 s, and sees the second from
+/// there.
+#[test]
+fn what_waits_stops_with_its_subsystem() {
+    let inside = r#"Diagram(inputs: { "u": () }, outputs: { "y": "late.y" },
+        blocks: { "late": OnOffDelay(on: "1 s") }, connections: ["in.u -> late.u"])"#;
+    let model = r#"Diagram(
+        simulation: (stop_time: "6 s"),
+        blocks: {
+            "u": SignalBuilder(points: [(0, 0), ("1 s", 1), ("1.3 s", 0), ("3.5 s", 1)], interpolation: Hold),
+            "on": Compare(operator: Greater, constant: 0.5), "show": Scope(inputs: ["y"]),
+            "enable": SignalBuilder(points: [(0, 1), ("1.2 s", 0), ("4 s", 1)], interpolation: Hold),
+            "sub": Subsystem(file: "sub.ron", enable: Held),
+        },
+        connections: ["u.y -> on.u", "on.y -> sub.u", "enable.y -> sub.enable", "sub.y -> show.y"],
+    )"#;
+    let run = run(&[("model.ron", model), ("sub.ron", inside)]);
+    let times = run.times("sub/late switches on");
+    assert!(times.len() == 1 && (times[0] - 4.8).abs() < 1e-9, "{:?}", run.events);
+    for (t, y) in run.column("show.y") {
+        assert!((t - 4.8).abs() < 1e-9 || y == f64::from(t > 4.8), "{y} at {t} s");
+    }
+}
+
 /// A line from 0 to 0.25 begins at 0.25 s, stands from 5/12 s to 13/12 s, and ends at 7/6 s; the next one begins at 1.25 s.
 #[test]
 fn a_line_between_samples_stops_with_its_subsystem() {
