@@ -8,6 +8,8 @@ use blocksim_multibody::Placement;
 
 /// How far a rotation may be from orthonormal.
 const ROTATION_TOLERANCE: f64 = 1e-6;
+/// Squares of distances that differ by less are the same, rad².
+const ROUNDING: f64 = 1e-15;
 
 /// Inverse kinematics in closed form of a six-axis arm of a [`Model`](blocksim_multibody::Model).
 ///
@@ -87,11 +89,16 @@ impl ClosedForm {
         let mut best: Option<Solution> = None;
         let mut miss = (0, f64::INFINITY);
         for solution in solutions.iter() {
+            let mut take = |found: Solution| {
+                if best.is_none_or(|best| found.distance(near) + ROUNDING < best.distance(near)) {
+                    best = Some(found);
+                }
+            };
             match solution.turned(ranges, near) {
                 Ok(turned) => {
-                    if best.is_none_or(|best| turned.distance(near) < best.distance(near)) {
-                        best = Some(turned);
-                    }
+                    take(turned);
+                    // Not a rounding away from where the joints were.
+                    solution.shared(ranges, near).into_iter().for_each(take);
                 }
                 Err((axis, excess)) if excess < miss.1 => miss = (axis, excess),
                 Err(_) => {}

@@ -161,7 +161,8 @@ impl OrthoParallel {
         let singular = Singular { wrist: straight, ..singular };
         let mut add = |wrist, angles| {
             let configuration = Configuration { shoulder, elbow, wrist };
-            solutions.push(Solution { q: self.positions(angles), configuration, singular });
+            let (q, sense) = (self.positions(angles), self.signs[3] * self.signs[5]);
+            solutions.push(Solution { q, configuration, singular, sense });
         };
         add(Wrist::Plain, [t1, t2, t3, t4, t5, t6]);
         add(Wrist::Flipped, [t1, t2, t3, t4 + PI, -t5, t6 + PI]);

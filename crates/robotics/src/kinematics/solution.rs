@@ -61,6 +61,8 @@ pub struct Solution {
     pub configuration: Configuration,
     /// Which singularities it is at.
     pub singular: Singular,
+    /// Sense of joint 6 against that of joint 4, 1 or -1.
+    pub(crate) sense: f64,
 }
 
 impl Solution {
@@ -70,10 +72,51 @@ impl Solution {
     }
 
     /// The same pose with each joint in its range, as few turns as possible from `near`; else the joint that has no
-    /// turn in its range, and by how much it misses it.
+    /// turn in its range, and by how much it misses it. Where axes 4 and 6 are in line joint 4 stays, as long as joint 6 can take the turn.
     pub(crate) fn turned(&self, ranges: &[JointRange; 6], near: &[f64; 6]) -> Result<Solution, (usize, f64)> {
+        self.turned_with(ranges, near, &[]).or_else(|missed| self.shared(ranges, near).ok_or(missed))
+    }
+
+    /// Where axes 4 and 6 are in line only the sum of their turns, $q_4 + s q_6$, is given: both in their ranges and nearest to `near`.
+    pub(crate) fn shared(&self, ranges: &[JointRange; 6], near: &[f64; 6]) -> Option<Solution> {
+        if !self.singular.wrist {
+            return None;
+        }
+        /// Turns either way that are tried where a range has no end.
+        const TURNS: f64 = 2.0;
+        let other = self.turned_with(ranges, near, &[3, 5]).ok()?;
+        let away = |i: usize| [ranges[i].lower - near[i], ranges[i].upper - near[i]];
+        let [low, high] = away(3);
+        let [low_6, high_6] = match (self.sense > 0.0, away(5)) {
+            (true, ends) => ends,
+            (false, [low, high]) => [-high, -low],
+        };
+        let sum = (self.q[3] - near[3]) + self.sense * (self.q[5] - near[5]);
+        let in_turns = |angle: f64| angle / std::f64::consts::TAU;
+        let nearest = -in_turns(sum).round();
+        let first = in_turns(low + low_6 - sum).ceil().max(nearest - TURNS);
+        let last = in_turns(high + high_6 - sum).floor().min(nearest + TURNS);
+        let turns = (0..).map(|k| first + f64::from(k)).take_while(|k| *k <= last);
+        let solution = |k: f64| {
+            let sum = sum + std::f64::consts::TAU * k;
+            let share = (0.5 * sum).max(low).max(sum - high_6).min(high).min(sum - low_6);
+            let mut q = other.q;
+            q[3] = ranges[3].clamp(near[3] + share);
+            q[5] = ranges[5].clamp(near[5] + self.sense * (sum - share));
+            Solution { q, ..*self }
+        };
+        turns.map(solution).min_by(|a, b| a.distance(near).total_cmp(&b.distance(near)))
+    }
+
+    /// Each joint by itself, but for some that stay as they are.
+    fn turned_with(
+        &self,
+        ranges: &[JointRange; 6],
+        near: &[f64; 6],
+        without: &[usize],
+    ) -> Result<Solution, (usize, f64)> {
         let mut q = self.q;
-        for i in 0..6 {
+        for i in (0..6).filter(|i| !without.contains(i)) {
             q[i] = ranges[i].nearest(q[i], near[i]).ok_or_else(|| {
                 let turn = std::f64::consts::TAU;
                 let excess = |k: f64| ranges[i].excess(q[i] + k * turn);
@@ -96,7 +139,7 @@ impl Solutions {
     pub(crate) fn none() -> Self {
         let configuration =
             Configuration { shoulder: Shoulder::Front, elbow: Elbow::Up, wrist: Wrist::Plain };
-        let empty = Solution { q: [0.0; 6], configuration, singular: Singular::default() };
+        let empty = Solution { q: [0.0; 6], configuration, singular: Singular::default(), sense: 1.0 };
         Solutions { entries: [empty; 8], count: 0 }
     }
 

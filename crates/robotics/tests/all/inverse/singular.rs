@@ -3,7 +3,7 @@
 use crate::inverse::Outcome;
 use crate::inverse::arms::{Random, apart, flange, irb2600, ranges, torch};
 use blocksim_multibody::Placement;
-use blocksim_robotics::kinematics::{ClosedForm, Solution};
+use blocksim_robotics::kinematics::{ClosedForm, JointRange, Solution};
 
 fn nearest(closed_form: &ClosedForm, target: &Placement, near: &[f64; 6]) -> Result<Solution, String> {
     closed_form.nearest(target, near, &ranges()).map_err(|error| error.to_string())
@@ -28,6 +28,44 @@ fn with_a_straight_wrist_axis_four_stays_where_it_was() -> Outcome {
         let seen = closed_form.inverse(&target, &near)?;
         let kept = |s: Solution| s.singular.wrist && (s.q[3] - near[3]).abs() < 1e-9;
         assert!(seen.within(&ranges(), &near).any(kept), "{near:?} {seen:?}");
+    }
+    Ok(())
+}
+
+/// Axes 4 and 6 are in line, and their ranges narrow: whatever their shares were before, a pose that both can reach together is found, and of
+/// all shares (by looking at many) the nearest.
+#[test]
+fn with_a_straight_wrist_axes_four_and_six_share_the_turn() -> Outcome {
+    let (model, last) = irb2600()?;
+    let closed_form = ClosedForm::of(&model, &flange(last).at(torch()))?;
+    let mut narrow = ranges();
+    for axis in [3, 5] {
+        narrow[axis] = JointRange { lower: -1.0, upper: 1.0 };
+    }
+    let mut random = Random(6);
+    for _ in 0..300 {
+        let mut q = random.pose(&narrow);
+        q[4] = 0.0;
+        let target = closed_form.forward(&q);
+        let mut near = q;
+        (near[3], near[5]) = (1.5 * random.signed(), 1.5 * random.signed());
+        let found = closed_form.nearest(&target, &near, &narrow)?;
+        assert!(apart(&closed_form.forward(&found.q), &target) < 1e-9, "{found:?}");
+        assert!((0..6).all(|i| narrow[i].excess(found.q[i]) < 1e-9), "{found:?}");
+        let away = |q: &[f64; 6]| q.iter().zip(&near).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+        let mut best = f64::INFINITY;
+        for k in -1000..=1000 {
+            let mut other = q;
+            other[3] = f64::from(k) / 1000.0;
+            // Which sense joint 6 has: the one that keeps the pose.
+            for sense in [1.0, -1.0] {
+                other[5] = q[5] - sense * (other[3] - q[3]);
+                let is_there =
+                    narrow[5].excess(other[5]) == 0.0 && apart(&closed_form.forward(&other), &target) < 1e-9;
+                best = best.min(if is_there { away(&other) } else { f64::INFINITY });
+            }
+        }
+        assert!(away(&found.q) < best + 1e-9, "{} {best} {near:?}", away(&found.q));
     }
     Ok(())
 }
