@@ -59,6 +59,8 @@ pub(crate) struct Seat {
     pub frames: Range<usize>,
     /// Where its supply lies: that of the source that feeds it, or its own.
     pub supply: Option<usize>,
+    /// Of a machine in a circuit: the supply of the source that it hangs at, and whether contacts may exchange phases on the way.
+    pub grid: Option<(usize, bool)>,
     pub role: Role,
     /// Where its states lie as they are with what sources in loops of capacitances add to them.
     pub shifted: Option<usize>,

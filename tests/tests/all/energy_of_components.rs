@@ -226,6 +226,7 @@ impl Point {
                 zero: random.next(),
                 frequency: random.next(),
                 angle: random.next(),
+                ..Supply::NONE
             },
             line_current: [0.0; 3],
             joint,

@@ -170,3 +170,68 @@ fn figures_that_fit_no_circuit_are_listed() {
         efficiency: "88.6 %", breakdown_torque: 3.2, locked_rotor: (torque: 2.6, current: 7.3))"#,
     ));
 }
+
+/// A direct start, of which only the way to the grid differs: reactive power and slip have the frequency of the grid from the first instant
+/// on, also behind contacts that exchange two phases.
+#[test]
+fn reactive_power_and_slip_are_those_of_the_grid_behind_sensors_and_contacts() {
+    let start = |frequency: &str, way: &str, connections: &str| {
+        run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "0.3 s", solver: Dop853(rtol: 1e-10), output: Every("1 ms")),
+                blocks: {{
+                    "source": ThreePhaseSource(voltage: "220 V", frequency: "{frequency}", phase: "25 deg"),
+                    "machine": {DIRECT}, "load": Inertia(j: "0.1 kg*m^2"), "housing": RotationalReference,
+                    "yes": Constant(value: true), {way} "show": Scope(inputs: ["q", "slip"]),
+                }},
+                connections: [
+                    {connections} "machine.r <-> load.r", "machine.c <-> housing.r", "machine.reactive_power -> show.q",
+                    "machine.slip -> show.slip",
+                ],
+            )"#
+        ))
+    };
+    let direct = start("60 Hz", "", r#""source.ac <-> machine.ac","#);
+    let (q, slip) = (direct.column("show.q"), direct.column("show.slip"));
+    assert!(q[1..].iter().all(|q| *q > 1e3) && (slip[0], slip[1]) == (1.0, slip[1].min(1.0)));
+    let sensor = (
+        r#""sensor": ThreePhaseCurrentSensor,"#,
+        r#""source.ac <-> sensor.ac1", "sensor.ac2 <-> machine.ac","#,
+    );
+    let breaker = (
+        r#""breaker": ThreePhaseBreaker, "sensor": ThreePhaseCurrentSensor,"#,
+        r#""source.ac <-> breaker.ac1", "breaker.ac2 <-> sensor.ac1", "sensor.ac2 <-> machine.ac", "yes.y -> breaker.closed","#,
+    );
+    let contactor = (
+        r#""contactor": ReversingContactor(r_on: "1 uOhm"),"#,
+        r#""source.ac <-> contactor.ac1", "contactor.ac2 <-> machine.ac", "yes.y -> contactor.reverse","#,
+    );
+    for (frequency, turns, (way, connections)) in [
+        ("60 Hz", 1.0, sensor),
+        ("-60 Hz", -1.0, sensor),
+        ("60 Hz", 1.0, breaker),
+        ("60 Hz", -1.0, contactor),
+    ] {
+        let run = start(frequency, way, connections);
+        let largest = q.iter().copied().fold(0.0, f64::max);
+        // Backwards the phase of the source is another one; the courses differ, the sense does not.
+        let same = turns > 0.0;
+        for (k, (found, slip_found)) in run.column("show.q").iter().zip(run.column("show.slip")).enumerate() {
+            let t = run.time[k];
+            assert!(
+                !same || (found - direct.at("show.q", t)).abs() < 2e-2 * largest,
+                "{frequency} {way}: {found} var at {t} s"
+            );
+            assert!(k == 0 || *found > 0.0, "{frequency} {way}: {found} var at {t} s");
+            assert!(
+                k == 0 || (-0.5..=1.1).contains(slip_found),
+                "{frequency} {way}: slip {slip_found} at {t} s"
+            );
+        }
+    }
+}
+
+const DIRECT: &str = r#"AsynchronousMachine(
+    rated_power: "15 kVA", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 2, r_s: "0.25 Ohm", x_ls: "0.9 Ohm",
+    r_r: "0.14 Ohm", x_lr: "0.41 Ohm", x_m: "17.0 Ohm", connection: Wye, impedances: Ohm,
+)"#;

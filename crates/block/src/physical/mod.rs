@@ -35,4 +35,4 @@ pub use loss::{DryMesh, LossModel, MeshLoss};
 pub use part::{HEAT, Needs, Part};
 pub use port::{Domain, PhysicalPort, Pin};
 pub use reading::{Gives, Reading};
-pub use supply::{Supply, from_space_vector, space_vector};
+pub use supply::{Field, Supply, from_space_vector, space_vector};

@@ -14,11 +14,33 @@ pub struct Supply {
     pub frequency: f64,
     /// Angle of the frame against the axis of phase a, rad.
     pub angle: f64,
+    /// How the voltages turn where the frame stands still.
+    pub field: Field,
+}
+
+/// What is known of how voltages turn, as space vectors, in a frame that stands still.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Field {
+    /// Nothing: behind an inverter that switches.
+    #[default]
+    Unknown,
+    /// At this frequency, Hz; negative for the sequence a, c, b.
+    Turns(f64),
+    /// At this frequency, Hz, in a sense that contacts may change.
+    Either(f64),
+}
+
+impl Field {
+    /// The same behind contacts that may exchange phases.
+    pub fn exchanged(self) -> Self {
+        if let Field::Turns(frequency) = self { Field::Either(frequency) } else { self }
+    }
 }
 
 impl Supply {
     /// No voltage, in a frame that stands still.
-    pub const NONE: Self = Self { voltage: [0.0; 2], zero: 0.0, frequency: 0.0, angle: 0.0 };
+    pub const NONE: Self =
+        Self { voltage: [0.0; 2], zero: 0.0, frequency: 0.0, angle: 0.0, field: Field::Unknown };
 
     /// Peak phase voltage, V.
     pub fn amplitude(&self) -> f64 {

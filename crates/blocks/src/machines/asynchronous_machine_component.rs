@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_6, SQRT_2, TAU};
 
-use blocksim_block::physical::{Domain, Element};
+use blocksim_block::physical::{Domain, Element, Field};
 use blocksim_block::prelude::*;
 
 use super::asynchronous_machine_outputs as out;
@@ -132,10 +132,19 @@ impl Motor {
         (TAU * c.supply.frequency / self.base.w, self.base.speed * c.speed[0])
     }
 
-    /// Speed of the supply in per unit where its frequency is known, else of the flux of the rotor.
+    /// Speed of the supply in per unit where its frequency is known, else of the flux of the rotor: voltages that are switched turn in jumps.
     fn field_speed(&self, c: &Fed) -> f64 {
         let (w, w_r) = self.speeds(c);
-        if w == 0.0 { self.machine.rotor_flux_speed(c.x, w_r) } else { w }
+        let turning = |frequency: f64| TAU * frequency / self.base.w;
+        match c.supply.field {
+            _ if w != 0.0 => w,
+            Field::Turns(frequency) if frequency != 0.0 => turning(frequency),
+            Field::Either(frequency) if frequency != 0.0 => {
+                let v = Complex::from_vector(c.supply.voltage.map(|v| self.voltage * v));
+                turning(frequency.abs()).copysign(self.machine.stator_flux_turn(c.x, v))
+            }
+            _ => self.machine.rotor_flux_speed(c.x, w_r),
+        }
     }
 
     /// Slip against the field.

@@ -206,7 +206,8 @@ fn the_answer_of_the_lines_is_that_of_their_currents() {
         let machine = AsynchronousMachine { connection, saturation: saturation.clone(), ..machine() };
         let component = machine.clone().built();
         let x: Vec<f64> = [0.5, -0.9, 0.3, -0.7, 0.2][..start_of(&machine).len()].to_vec();
-        let supply = Supply { voltage: [150.0, -60.0], zero: 30.0, frequency: 20.0, angle: 0.4 };
+        let supply =
+            Supply { voltage: [150.0, -60.0], zero: 30.0, frequency: 20.0, angle: 0.4, ..Supply::NONE };
         let c = Seen { x: &x, speed: &[150.0], supply: &supply, ..law() }.loaded();
         let (mut internal, mut inverse) = ([0.0; 3], [0.0; 9]);
         component.reluctance(&c, &mut internal, &mut inverse);

@@ -232,7 +232,13 @@ mod tests {
 
     #[test]
     fn the_voltage_in_the_frame_of_the_rotor_is_that_of_the_phases() {
-        let supply = Supply { voltage: turned([100.0, 0.0], 0.4), zero: 0.0, frequency: 50.0, angle: 1.1 };
+        let supply = Supply {
+            voltage: turned([100.0, 0.0], 0.4),
+            zero: 0.0,
+            frequency: 50.0,
+            angle: 1.1,
+            ..Supply::NONE
+        };
         let c = Seen { x: &[0.0, 0.0, 2.3], supply: &supply, ..law() }.loaded();
         let v = MACHINE.voltage(&c);
         // Phases b and c are a third of a turn behind.
@@ -246,7 +252,13 @@ mod tests {
     #[test]
     fn the_frame_of_the_supply_does_not_matter() {
         let see = |offset: f64, angle: f64| {
-            let supply = Supply { voltage: turned([100.0, 0.0], offset), zero: 0.0, frequency: 50.0, angle };
+            let supply = Supply {
+                voltage: turned([100.0, 0.0], offset),
+                zero: 0.0,
+                frequency: 50.0,
+                angle,
+                ..Supply::NONE
+            };
             let c = Seen { x: &[3.0, 7.0, 2.3], speed: &[20.0], supply: &supply, ..law() }.loaded();
             let mut dx = [0.0; 3];
             Component::derivatives(&MACHINE, &c, &mut dx);
@@ -260,7 +272,13 @@ mod tests {
 
     #[test]
     fn the_lines_give_the_power_that_the_windings_take() {
-        let supply = Supply { voltage: turned([80.0, 0.0], -0.2), zero: 0.0, frequency: 30.0, angle: 5.0 };
+        let supply = Supply {
+            voltage: turned([80.0, 0.0], -0.2),
+            zero: 0.0,
+            frequency: 30.0,
+            angle: 5.0,
+            ..Supply::NONE
+        };
         let c = Seen { x: &[-2.0, 6.0, 4.1], speed: &[20.0], supply: &supply, ..law() }.loaded();
         let mut y = [0.0; 5];
         MACHINE.measure_electrics(&c, &mut y);

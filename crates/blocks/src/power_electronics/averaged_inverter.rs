@@ -81,6 +81,7 @@ impl Component for AveragedInverter {
             zero: 0.0,
             frequency: sequence * c.scalar(F),
             angle: c.x[FRAME],
+            ..Supply::NONE
         }
     }
 

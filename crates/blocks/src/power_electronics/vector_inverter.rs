@@ -79,6 +79,7 @@ impl Component for VectorInverter {
             zero: 0.0,
             frequency: c.scalar(F),
             angle: frame,
+            ..Supply::NONE
         }
     }
 

@@ -62,6 +62,7 @@ impl Component for ThreePhaseSource {
             zero: 0.0,
             frequency: self.frequency,
             angle: TAU * self.frequency * c.t + self.phase,
+            ..Supply::NONE
         }
     }
 

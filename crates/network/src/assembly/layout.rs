@@ -10,6 +10,7 @@ use blocksim_block::{Crossing, Discrete, Guard, Input, Interface, JumpPhrase, Ou
 use blocksim_multibody::Joint;
 
 use crate::accounts::Accounts;
+use crate::assembly::grids::Grid;
 use crate::electrics::currents::UNTOLD;
 use crate::electrics::inputs::InputCells;
 use crate::electrics::{Branch, Capacitance, Electrics, Separate};
@@ -53,6 +54,7 @@ impl Network {
         mut electrics: Electrics,
         frames: Frames,
         fed_by: &[Option<usize>],
+        grids: &[Option<Grid>],
     ) -> Result<Self, Vec<NetworkProblem>> {
         let (positions, joints) = (frames.position.len(), frames.speeds.len());
         let mut interface = Interface::new().implicit();
@@ -206,6 +208,7 @@ impl Network {
                 ball: frames.balls.iter().position(|ball| ball.member == index),
                 frames: frames.probe_range(index),
                 supply: supply_of[index],
+                grid: grids[index].and_then(|grid| Some((supply_of[grid.source]?, grid.exchanged))),
                 shifted: None,
                 role: role(&member, places.machine, fed_by[index].is_some()),
                 is_capacitance: has(&|e| matches!(e, Element::Capacitance { .. })),

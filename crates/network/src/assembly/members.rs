@@ -127,6 +127,11 @@ impl<'a> Members<'a> {
         self.elements().filter(|(_, element)| which(element)).count()
     }
 
+    /// The ports that are joined at a three-phase node.
+    pub(crate) fn three_phase_terminals(&self, node: usize) -> &[Terminal] {
+        &self.terminals[2][node]
+    }
+
     pub(crate) fn node(&self, member: usize, port: usize) -> usize {
         self.node_of[member][port]
     }

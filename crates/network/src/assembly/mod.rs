@@ -5,6 +5,7 @@
 pub(crate) mod closing;
 pub(crate) mod domains;
 pub(crate) mod eliminate;
+pub(crate) mod grids;
 pub(crate) mod layout;
 pub(crate) mod members;
 pub(crate) mod moved;
@@ -62,7 +63,8 @@ pub fn assemble(members: Vec<Member>, joined: &[Vec<Terminal>]) -> Result<Networ
         return Err(problems);
     };
     let moved = moved::moved(&view, &frames, &rotation);
-    let mut network = Network::new(members, rotation, electrics, frames, &fed_by)?;
+    let grids = grids::grids(&view);
+    let mut network = Network::new(members, rotation, electrics, frames, &fed_by, &grids)?;
     network.moved = moved;
     Ok(network)
 }

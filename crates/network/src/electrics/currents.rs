@@ -1,7 +1,7 @@
 //! Second phase of an evaluation: supplies, voltages and currents.
 
 use blocksim_block::Context;
-use blocksim_block::physical::{Supply, ValveKind, from_space_vector, space_vector};
+use blocksim_block::physical::{Field, Supply, ValveKind, from_space_vector, space_vector};
 
 use crate::electrics::{Conducting, Early, GivenBy, Joined, Unsolvable, coordinates, solve};
 use crate::network::Network;
@@ -225,7 +225,11 @@ impl Network {
         match seat.role {
             Role::Machine(joined) => {
                 let v = coordinates(joined, &w.voltage[seat.two_pins.clone()]);
-                w.supply[slot] = Supply { voltage: [v[0], v[1]], zero: v[2], ..Supply::default() };
+                let field = seat.grid.map_or(Field::Unknown, |(source, exchanged)| {
+                    let field = Field::Turns(w.supply[source].frequency);
+                    if exchanged { field.exchanged() } else { field }
+                });
+                w.supply[slot] = Supply { voltage: [v[0], v[1]], zero: v[2], field, ..Supply::default() };
             }
             Role::Source => {
                 let i = &w.current[seat.two_pins.clone()];

@@ -239,6 +239,11 @@ impl Machine {
         if square == 0.0 { w_r } else { w_r - self.r[1] * flux.cross(self.currents(psi)[1]) / square }
     }
 
+    /// The sense in which the flux of the stator turns at the voltage `v`, both in a frame that stands still: positive or negative.
+    pub fn stator_flux_turn(&self, psi: &[f64], v: Complex) -> f64 {
+        Self::flux(psi, 0).cross(v - self.r[0] * self.currents(psi)[0])
+    }
+
     /// How the current of circuit `k` changes with the flux of circuit `l`: the inverse of the incremental inductances,
     /// which saturation makes smaller along the main flux than across it.
     pub(super) fn incremental(&self, psi: &[f64]) -> impl Fn(usize, usize) -> Stretch + '_ {
