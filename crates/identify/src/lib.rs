@@ -35,7 +35,10 @@ pub use dynamics::{Identified, Sample, identify, prediction_error};
 pub use error::IdentifyError;
 pub use excitation::{Excitation, Fourier, JointRange, excitation};
 pub use fit::{Fitted, Model, Stopped, correlations, fit, nonlinear_least_squares};
-pub use friction::{Curve, CurveFit, Line, Point, Train, TwoPoint, curve, line, two_point};
+pub use friction::{
+    Curve, CurveFit, FrictionLaw, KnownFriction, Line, Point, Stage, Torques, Train, TwoPoint, curve, line,
+    two_point,
+};
 pub use least_squares::{Estimate, Fit, least_squares};
 pub use random::Random;
 pub use recording::{Recording, Treated};

@@ -1,8 +1,9 @@
 //! What a network says of its mechanics to those who look at it from outside.
 
-use blocksim_block::physical::MeshLoss;
+use blocksim_block::physical::{LossModel, MeshLoss};
 use blocksim_multibody::Model;
 
+use crate::mechanics::rotation::LossyGear;
 use crate::network::Network;
 
 /// A joint axis of a network, and what moves with it.
@@ -10,25 +11,46 @@ use crate::network::Network;
 pub struct AxisView {
     /// Path of the joint.
     pub path: String,
+    /// Index of the joint among [`Network::members`].
+    pub member: usize,
     /// Index of its position among the positions of the tree, which are the first states of the network.
     pub position: usize,
     /// Index of its speed among the speeds of the tree.
     pub speed: usize,
     /// Moment of inertia of what its drive side moves, brought to the joint, kg m².
     pub reflected: f64,
-    /// Members that act on the drive side, by their places along it.
+    /// Members that act on the drive side with a torque, dry friction last.
     pub parts: Vec<PartView>,
+    /// Meshes with losses on the drive side.
+    pub meshes: Vec<MeshView>,
+    /// Members that move with this axis and with others.
+    pub shared: Vec<usize>,
 }
 
-/// A member on the drive side of a joint.
+/// A torque on the drive side of a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartView {
     /// Index among [`Network::members`].
     pub member: usize,
-    /// Its speed over the speed of the joint; of a mesh, that of its base.
+    /// Its speed over the speed of the joint.
     pub ratio: f64,
-    /// The losses, if it is a mesh that has some.
-    pub mesh: Option<MeshLoss>,
+    /// For each of [`AxisView::meshes`] the share of its power that goes through the mesh on the way to the joint, positive from the
+    /// base to the follower: 1 for a part on the side of the base, -1 on the side of the follower, 0 where the mesh is
+    /// not between the part and the joint. Other numbers where power takes several ways.
+    pub through: Vec<f64>,
+}
+
+/// A mesh with losses on the drive side of a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshView {
+    /// Index among [`Network::members`].
+    pub member: usize,
+    /// Its number among the meshes with stiction of the member, if it is one of these.
+    pub dry: usize,
+    /// The speed of its base over the speed of the joint.
+    pub ratio: f64,
+    /// The losses.
+    pub loss: MeshLoss,
 }
 
 impl Network {
@@ -68,25 +90,46 @@ impl Network {
             [(index, ratio)] if *index == independent => Some(ratio / share),
             _ => None,
         };
-        let mut parts = Vec::new();
+        let moves = |form: &[(u32, f64)]| form.iter().any(|(index, _)| *index == independent);
+        let (mut parts, mut meshes, mut shared) = (Vec::new(), Vec::new(), Vec::new());
+        let mut branches = Vec::new();
+        let mut gears = Vec::new();
         for (member, seat) in self.seats.iter().enumerate() {
-            for branch in seat.branches.clone() {
-                let pin = rotation.branches.get(branch).and_then(|pin| rotation.pins.get(*pin));
-                if let Some(ratio) = pin.and_then(|pin| alone(pin.speed.terms())) {
-                    parts.push(PartView { member, ratio, mesh: None });
-                }
-            }
+            let mut dry = 0;
             for gear in seat.gears.clone() {
                 let lossy = rotation.all_gears.get(gear).and_then(|(_, lossy)| *lossy);
                 let Some(gear) = lossy.and_then(|index| rotation.gears.get(index)) else { continue };
                 if let Some(ratio) = alone(gear.base.terms()) {
-                    parts.push(PartView { member, ratio, mesh: Some(gear.loss) });
+                    meshes.push(MeshView { member, dry, ratio, loss: gear.loss });
+                    gears.push(gear);
+                } else if moves(gear.base.terms()) {
+                    shared.push(member);
                 }
+                dry += usize::from(gear.loss.model == LossModel::Stiction);
+            }
+            branches.extend(seat.branches.clone().map(|branch| (member, branch)));
+        }
+        for (member, seat) in self.seats.iter().enumerate() {
+            branches.extend(seat.frictions.clone().map(|friction| (member, rotation.smooth + friction)));
+        }
+        for (member, branch) in branches {
+            let Some(pin) = rotation.branches.get(branch).and_then(|pin| rotation.pins.get(*pin)) else {
+                continue;
+            };
+            if let Some(ratio) = alone(pin.speed.terms()) {
+                // What a torque at the part puts into the base of a mesh while the joint stands still, as power.
+                let passes =
+                    |(gear, mesh): (&&LossyGear, &MeshView)| -gear.by_torque.at(branch) * mesh.ratio / ratio;
+                let through = gears.iter().zip(&meshes).map(passes).collect();
+                parts.push(PartView { member, ratio, through });
+            } else if moves(pin.speed.terms()) {
+                shared.push(member);
             }
         }
+        shared.dedup();
         let diagonal = independent as usize * (rotation.free + 1);
         let path = self.seats.get(member)?.member.path.clone();
         let reflected = rotation.reflected.get(diagonal)? / (share * share);
-        Some(AxisView { path, position, speed, reflected, parts })
+        Some(AxisView { path, member, position, speed, reflected, parts, meshes, shared })
     }
 }

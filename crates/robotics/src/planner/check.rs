@@ -159,9 +159,9 @@ pub fn inspect(robot: &Robot, course: &dyn Course, scrutiny: &Scrutiny) -> Findi
         }
     }
     let mut waypoints = times.len();
-    for quantity in 0..sizes[0].len() {
-        let size = |k: usize| sizes[k][quantity];
-        for k in tops(times.len(), size) {
+    let quantities = sizes.first().map_or(0, Vec::len);
+    for quantity in 0..quantities {
+        for k in tops(&sizes, quantity) {
             let (from, to) = (times[k.saturating_sub(1)], times[(k + 1).min(times.len() - 1)]);
             waypoints += look.closer(quantity, from, to);
         }
@@ -176,12 +176,13 @@ pub fn inspect(robot: &Robot, course: &dyn Course, scrutiny: &Scrutiny) -> Findi
     Findings { waypoints, axes, tool_speed, tool_acceleration, tool_turning, narrowest, violations }
 }
 
-/// Where something has its highest tops, of those that may be the highest between what was looked at.
-fn tops(count: usize, size: impl Fn(usize) -> f64) -> Vec<usize> {
+/// Where a quantity has its highest tops, of those that may be the highest between what was looked at.
+fn tops(sizes: &[Vec<f64>], quantity: usize) -> Vec<usize> {
     /// Tops that are nearly as high may be higher between two looks.
     const NEARLY: f64 = 0.9;
     /// What trembles has many.
     const MOST: usize = 6;
+    let (count, size) = (sizes.len(), |k: usize| sizes[k][quantity]);
     let highest = (0..count).map(&size).fold(0.0, f64::max);
     let is_top = |k: &usize| {
         let here = size(*k);

@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
+use blocksim_block::physical::Element;
 use blocksim_block::schedule::{Instance, OutputTimes, Recorded, Schedule};
 use blocksim_blocks::motion::{JointMove, Limits};
 use blocksim_multibody::Model;
-use blocksim_network::{AxisView, Network};
+use blocksim_network::{AxisView, Member, Network};
 use blocksim_sim::{Control, Counts, Ended, Observer, SimError, Simulation};
 
 use super::course::{Course, Rest, SetValues};
-use super::drive::Drive;
+use super::drive::{Connected, Drive};
+use super::law;
 use super::look_into::look_into;
+use super::pose::range;
 use crate::exit::Exit;
 use crate::failure::Failure;
 use crate::running::{interrupt, parallel};
@@ -44,6 +47,8 @@ pub struct Axis {
     pub joint: String,
     /// What stands between motor and joint.
     pub drive: Drive,
+    /// Index of the joint among the members of the network.
+    member: usize,
     /// Block that gives its set values.
     reference: usize,
     /// Its position among the states of the network.
@@ -121,6 +126,23 @@ impl Bench {
             ));
         }
         Ok(Bench { schedule, network, tree, axes })
+    }
+
+    /// Parts that act on the bodies with forces, beside joints and drives.
+    pub fn forces(&self) -> Vec<String> {
+        let acts = |member: &&Member| {
+            member.part.elements.iter().any(|element| matches!(element, Element::FrameForce { .. }))
+        };
+        self.members().filter(acts).map(|member| member.path.clone()).collect()
+    }
+
+    /// Torque of spring, damper and ends of travel inside a joint, N m, at a position and a speed.
+    pub fn inside(&self, axis: usize, q: f64, w: f64) -> f64 {
+        self.members().nth(self.axes[axis].member).map_or(0.0, |joint| law::inside_joint(joint, q, w))
+    }
+
+    fn members(&self) -> impl Iterator<Item = &Member> {
+        look_into::<Network>(&self.schedule.blocks[self.network].block).into_iter().flat_map(Network::members)
     }
 
     /// Runs an experiment; the joints start at rest where their courses start.
@@ -257,16 +279,25 @@ fn axis(schedule: &Schedule, network: &Network, at: usize, view: AxisView) -> Re
             "give `limits` an entry for each axis",
         ));
     };
-    let drive = Drive::of(network, &view);
-    let measured = drive.torque_signals.iter().find_map(|path| {
-        schedule.signals.iter().find(|signal| signal.path == *path).map(|signal| signal.offset)
-    });
-    let motor = measured.or_else(|| source_of(&schedule.blocks[at], drive.torque_input?));
+    let offset =
+        |path: &str| schedule.signals.iter().find(|signal| signal.path == path).map(|signal| signal.offset);
+    let source = |input: usize| source_of(&schedule.blocks[at], input);
+    // The cells behind the last signal hold the values of inputs that are not connected.
+    let cells = schedule.signals.iter().map(|signal| signal.offset + signal.shape.len()).max();
+    let is_connected = |member: usize, port: usize| {
+        network.input(member, port).and_then(source).is_some_and(|cell| Some(cell) < cells)
+    };
+    let connected = Connected { input: &is_connected, signal: &|path| offset(path).is_some() };
+    let (lower, upper) = range(limits);
+    let drive = Drive::of(network, &view, 0.5 * (lower + upper), &connected);
+    let measured = drive.torque_signal.as_deref().and_then(offset);
+    let motor = measured.or_else(|| source(drive.torque_input?));
     Ok(Axis {
         number,
         limits: *limits,
         joint: view.path,
         drive,
+        member: view.member,
         reference,
         position: view.position,
         cells: [q, w, a, tau],

@@ -41,6 +41,7 @@ pub fn dynamics(args: &DynamicsArgs, console: Console) -> Outcome {
     out::check(args.common.out.as_deref(), args.common.yes, &["csv"])?;
     let bench = load_bench(&args.common, console)?;
     interrupt::take_over();
+    refuse_forces(&bench)?;
     let base = BaseParameters::of(&bench.tree, SAMPLES, 1);
     let ranges: Vec<JointRange> = bench
         .axes
@@ -77,6 +78,8 @@ pub fn dynamics(args: &DynamicsArgs, console: Console) -> Outcome {
         heading,
         truth: base.values(&bench.tree.inertial_parameters()),
         prediction: Some((wrong.unwrap_or_default(), root_mean_square(second, bench.axes.len()))),
+        units: vec!["N*m"; bench.axes.len()],
+        unexplained: unexplained(&found.residuals, &root_mean_square(first, bench.axes.len()), args.noise),
         facts: json!({ "condition": motions[0].condition, "rows": first.len(), "noise": args.noise }),
         base,
         found,
@@ -98,6 +101,17 @@ pub fn no_base(error: &IdentifyError) -> Failure {
     unidentified(&format!("the base parameters cannot be identified: {error}"))
 }
 
+/// Refuses what acts on the bodies beside the torques of the joints: the base parameters would hold it.
+fn refuse_forces(bench: &Bench) -> Result<(), Failure> {
+    let forces = bench.forces();
+    if forces.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<String> = forces.iter().map(|path| format!("`{path}`")).collect();
+    let message = format!("forces of {} act on the bodies beside the drives", names.join(", "));
+    Err(Failure::new(Exit::Model, "identify", message).help("leave these blocks out for the measurement"))
+}
+
 fn experiment(motion: &Excitation, period: f64) -> Experiment {
     let courses = motion.joints.iter().map(|joint| Arc::new(joint.clone()) as Arc<dyn Course>);
     Experiment {
@@ -108,11 +122,14 @@ fn experiment(motion: &Excitation, period: f64) -> Experiment {
     }
 }
 
+/// What was recorded, with the torques of the springs and dampers in the joints, which act beside those of the actuators.
 fn samples(bench: &Bench, rows: &Rows) -> Vec<Sample> {
     let instants = rows.values.chunks_exact(bench.axes.len());
     let sample = |now: &[[f64; 5]]| {
         let of = |k: usize| -> Vec<f64> { now.iter().map(|row| row[k]).collect() };
-        Sample { q: of(0), v: of(1), a: of(2), tau: of(3) }
+        let inside = now.iter().enumerate().map(|(axis, row)| bench.inside(axis, row[0], row[1]));
+        let tau = now.iter().zip(inside).map(|(row, inside)| row[3] + inside).collect();
+        Sample { q: of(0), v: of(1), a: of(2), tau }
     };
     instants.map(sample).collect()
 }
@@ -124,6 +141,16 @@ pub fn root_mean_square(samples: &[Sample], joints: usize) -> Vec<f64> {
     (0..joints).map(|joint| (of(joint) / count).sqrt()).collect()
 }
 
+/// Joints, from 1, whose torques differ from those of the bodies by far more than the noise that was added.
+fn unexplained(residuals: &[f64], torques: &[f64], noise: f64) -> Vec<usize> {
+    /// Residual over the noise, and without noise over the torque.
+    const FAR: f64 = 3.0;
+    const EXACT: f64 = 1e-3;
+    let is_far = |residual: f64, torque: f64| residual > (FAR * noise).max(EXACT) * torque;
+    let joints = residuals.iter().zip(torques).zip(1..);
+    joints.filter(|((residual, torque), _)| is_far(**residual, **torque)).map(|(_, joint)| joint).collect()
+}
+
 /// Adds normal noise to the torques, a share of the root mean square of each joint.
 fn add_noise(samples: &mut [Sample], share: f64, seed: u64) {
     let joints = samples.first().map_or(0, |sample| sample.tau.len());
@@ -133,5 +160,17 @@ fn add_noise(samples: &mut [Sample], share: f64, seed: u64) {
         for (tau, size) in sample.tau.iter_mut().zip(&size) {
             *tau += share * size * random.normal();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_residual_far_above_the_noise_is_noticed() {
+        // With 1 % of 100 N*m the residual is 1 N*m; 30 N*m of a spring are something else.
+        assert_eq!(unexplained(&[1.0, 30.0, 1.1], &[100.0; 3], 0.01), [2]);
+        assert_eq!(unexplained(&[1e-9, 0.5], &[100.0; 2], 0.0), [2]);
     }
 }

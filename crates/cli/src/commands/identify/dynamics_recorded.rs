@@ -62,10 +62,20 @@ fn found(args: &DynamicsArgs, from: &str) -> Result<Dynamics, Failure> {
             "condition": found.fit.condition, "rows": treated.samples.len(), "every": treated.every,
             "derived": treated.filtered, "cutoff": treated.filtered.then_some(args.recorded.cutoff),
         }),
+        units: arm.description.kinds().into_iter().map(unit).collect(),
+        unexplained: Vec::new(),
         prediction,
         base,
         found,
     })
+}
+
+/// Unit of what moves an axis.
+pub fn unit(kind: AxisKind) -> &'static str {
+    match kind {
+        AxisKind::Turning => "N*m",
+        AxisKind::Sliding => "N",
+    }
 }
 
 /// Positions, speeds, accelerations and torques of all joints, and how they were come by.

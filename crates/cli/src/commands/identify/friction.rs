@@ -1,10 +1,11 @@
 //! `blocksim identify friction`.
 
-use blocksim_identify::{Point, TwoPoint, curve, line, two_point};
+use blocksim_identify::{KnownFriction, Point, Torques, TwoPoint, curve, line, two_point};
 
-use super::axis_friction::AxisFriction;
+use super::axis_friction::{AxisFriction, TakenFriction};
 use super::bench::{Bench, Experiment};
 use super::constant_speed::{Measured, Move, fastest, fastest_for, fits, measure, plan, room};
+use super::drive::{Drive, Taken};
 use super::failure::failed;
 use super::friction_report::short;
 use super::pose::{Pose, find};
@@ -30,6 +31,8 @@ const LARGEST: f64 = 0.6;
 const LOOK: f64 = 0.01;
 /// Speed above which friction is a line, over the breakaway velocity: the rest of the bump is below 1e-10 there.
 const STRAIGHT: f64 = 8.0;
+/// Speed above which the losses of gears are complete, over their thresholds: 4e-9 is missing there.
+const ONSET: f64 = 10.0;
 
 /// An axis with its place and its speeds.
 struct Setup {
@@ -124,6 +127,9 @@ fn setup(bench: &Bench, axis: usize, args: &FrictionArgs) -> Result<Setup, Failu
             "drive the joint by a machine with an output `torque`, or by an `IdealTorqueSource`",
         ));
     }
+    if let Some(obstacle) = &it.drive.wandering {
+        return Err(refuse(format!("axis {number}: {}", obstacle.reason), &obstacle.remedy));
+    }
     let limits: Vec<_> = bench.axes.iter().map(|axis| axis.limits).collect();
     let Some(pose) = find(&bench.tree, &limits, axis) else {
         return Err(refuse(
@@ -191,20 +197,35 @@ fn widest_under_gravity(bench: &Bench, axis: usize, pose: &Pose) -> Result<f64, 
 
 fn evaluate(bench: &Bench, setup: &Setup, measured: Vec<Measured>) -> AxisFriction {
     let it = &bench.axes[setup.axis];
-    let train = it.drive.train;
+    let train = &it.drive.train;
     let good = measured.iter().filter(|m| m.is_steady && m.is_driving);
     let points: Vec<Point> = good.map(|m| m.point).collect();
-    let curve = curve(&points, &train).map_err(|error| error.to_string());
-    let breakaway = curve.as_ref().map_or(0.0, |curve| curve.breakaway_velocity.value);
-    let straight: Vec<Point> = points
-        .iter()
-        .filter(|p| p.speed.abs() >= (STRAIGHT * breakaway).max(10.0 * train.threshold))
-        .copied()
-        .collect();
-    let line = line(&straight).map_err(|error| error.to_string());
-    let set_line = it.drive.bearing.map(|bearing| {
-        let viscous = train.damping + (train.beside + bearing.viscous) / train.efficiency;
-        (viscous, bearing.coulomb / train.efficiency)
+    let fitted = curve(&points, train, it.drive.law);
+    // What is not known beside the bearing is in the curve as well, but its bump is that of the bearing.
+    let breakaway = fitted.as_ref().map_or(0.0, |curve| curve.breakaway_velocity.value);
+    let curve = match it.drive.unknown.first() {
+        Some(obstacle) => Err(format!("{}; {}", obstacle.reason, obstacle.remedy)),
+        None => {
+            fitted.map_err(|error| format!("{error}; speeds below the breakaway velocity may be missing"))
+        }
+    };
+    let slowest = (STRAIGHT * breakaway).max(ONSET * train.threshold());
+    let straight: Vec<Point> = points.iter().filter(|p| p.speed.abs() >= slowest).copied().collect();
+    let found = line(&straight).map_err(|error| {
+        let fastest = points.iter().map(|p| p.speed.abs()).fold(0.0, f64::max);
+        match slowest > fastest {
+            true => format!(
+                "friction is a line above {} deg/s only, and the axis was measured up to {} deg/s",
+                short(slowest.to_degrees()),
+                short(fastest.to_degrees())
+            ),
+            false => error.to_string(),
+        }
+    });
+    let set_line = it.drive.bearing.filter(|_| it.drive.unknown.is_empty()).and_then(|bearing| {
+        let by_parameters = |p: &Point| Point { torque: train.torque(&bearing, p.speed), ..*p };
+        let line = line(&straight.iter().map(by_parameters).collect::<Vec<_>>()).ok()?;
+        Some((line.viscous.value, line.coulomb.value))
     });
     AxisFriction {
         number: it.number,
@@ -212,13 +233,39 @@ fn evaluate(bench: &Bench, setup: &Setup, measured: Vec<Measured>) -> AxisFricti
         pose: setup.pose.clone(),
         two_point: pair(&straight),
         measured,
-        line,
+        line: found,
         curve,
         set_line,
         set_bearing: it.drive.bearing,
-        train,
+        taken: taken(&it.drive, &points),
+        notes: notes(bench, &it.drive),
+        train: train.clone(),
         ratio: it.drive.ratio,
     }
+}
+
+/// What the parameters give of parts beside the bearing, as lines through half and full speed.
+fn taken(drive: &Drive, points: &[Point]) -> Vec<TakenFriction> {
+    let fast = points.iter().map(|p| p.speed.abs()).fold(0.0, f64::max);
+    let line = |torque: &Torques| {
+        let at = |w: f64| Point { speed: w, torque: 0.5 * (torque.at(w) - torque.at(-w)) };
+        two_point(at(0.5 * fast), at(fast)).unwrap_or(TwoPoint { coulomb: 0.0, viscous: 0.0 })
+    };
+    let parts = drive.taken.iter().zip(&drive.train.known);
+    let of = |(part, known): (&Taken, &KnownFriction)| {
+        let TwoPoint { coulomb, viscous } = line(&known.torque);
+        let constant = 0.5 * (known.torque.at(fast) + known.torque.at(-fast));
+        TakenFriction { path: part.path.clone(), is_at_motor: part.is_at_motor, viscous, coulomb, constant }
+    };
+    parts.map(of).collect()
+}
+
+/// What the result holds beside what it seems to hold.
+fn notes(bench: &Bench, drive: &Drive) -> Vec<String> {
+    let forces = bench.forces().into_iter().map(|path| {
+        format!("the force of `{path}` on the bodies is not taken off; what of it follows the speed counts as friction")
+    });
+    drive.notes.iter().cloned().chain(forces).collect()
 }
 
 /// The two-point formula at the fastest speed and the one nearest to half of it, each the mean of both directions.

@@ -8,7 +8,7 @@ use blocksim_robotics::motion::AxisKind;
 use blocksim_terminal::{Align, Table as Printed};
 use serde_json::json;
 
-use super::dynamics_recorded::{described, recording};
+use super::dynamics_recorded::{described, recording, unit};
 use super::friction::no_axis;
 use super::out;
 use super::recorded::{Arm, Table, arm};
@@ -124,11 +124,12 @@ fn text(heading: &str, axes: &[Axis]) -> String {
         };
         let _ = writeln!(
             out,
-            "\nAxis {} (ratio {}), {} instants in which the motor drives, residual {} N*m",
+            "\nAxis {} (ratio {}), {} instants in which the motor drives, residual {} {}",
             axis.number,
             significant(axis.ratio, 4),
             fit.used,
-            significant(fit.fit.residual, 2)
+            significant(fit.fit.residual, 2),
+            unit(axis.kind)
         );
         let mut table = Printed::new(&[
             ("", Align::Left),

@@ -2,12 +2,15 @@
 
 use std::fmt::Write;
 
-use blocksim_identify::Estimate;
+use blocksim_identify::{CurveFit, Estimate};
 use blocksim_numbers::format::significant;
 use blocksim_terminal::{Align, Table};
 use serde_json::{Value, json};
 
-use super::axis_friction::AxisFriction;
+use super::axis_friction::{AxisFriction, TakenFriction};
+
+/// Part of a friction that is rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Four digits.
 pub fn short(x: f64) -> String {
@@ -21,6 +24,23 @@ struct Row {
     unit: &'static str,
     found: Estimate,
     set: Option<f64>,
+}
+
+/// The parts of a friction that are more than rounding.
+fn amounts(part: &TakenFriction) -> String {
+    let all = [
+        (part.viscous, "N*m*s/rad"),
+        (part.coulomb, "N*m against the motion"),
+        (part.constant, "N*m in both directions"),
+    ];
+    let largest = all.iter().map(|(amount, _)| amount.abs()).fold(0.0, f64::max);
+    let counted = all.iter().filter(|(amount, _)| amount.abs() > ROUNDING * largest);
+    counted.map(|(amount, what)| format!("{} {what}", short(*amount))).collect::<Vec<_>>().join(", ")
+}
+
+/// Whether a friction is damping of the motor.
+fn is_plain(part: &TakenFriction) -> bool {
+    part.is_at_motor && part.coulomb.abs().max(part.constant.abs()) <= ROUNDING * part.viscous.abs()
 }
 
 fn line_rows(result: &AxisFriction) -> Vec<Row> {
@@ -37,18 +57,18 @@ fn bearing_rows(result: &AxisFriction) -> Vec<Row> {
     let Ok(curve) = &result.curve else { return Vec::new() };
     let set = result.set_bearing;
     let row = |name, key, unit, found, set| Row { name, key, unit, found, set };
-    vec![
+    let mut rows = vec![
         row("viscous", "viscous", "N*m*s/rad", curve.viscous, set.map(|set| set.viscous)),
         row("Coulomb", "coulomb", "N*m", curve.coulomb, set.map(|set| set.coulomb)),
-        row("breakaway", "breakaway", "N*m", curve.breakaway, set.map(|set| set.breakaway)),
-        row(
-            "breakaway velocity",
-            "breakaway_velocity",
-            "rad/s",
-            curve.breakaway_velocity,
-            set.map(|set| set.breakaway_velocity),
-        ),
-    ]
+    ];
+    if curve.shows_breakaway() {
+        let velocity = set.map(|set| set.breakaway_velocity);
+        rows.extend([
+            row("breakaway", "breakaway", "N*m", curve.breakaway, set.map(|set| set.breakaway)),
+            row("breakaway velocity", "breakaway_velocity", "rad/s", curve.breakaway_velocity, velocity),
+        ]);
+    }
+    rows
 }
 
 fn table(rows: &[Row]) -> String {
@@ -135,28 +155,47 @@ pub fn text(results: &[AxisFriction]) -> String {
                 let _ = writeln!(out, "  not identified: {reason}");
             }
         }
-        let train = &result.train;
+        let of_motor: f64 = result.taken.iter().filter(|part| is_plain(part)).map(|part| part.viscous).sum();
         let _ = writeln!(
             out,
             "\n  The bearing alone (efficiency {} of the gear, {} N*m*s/rad of the motor taken from the parameters)",
-            short(train.efficiency),
-            short(train.damping)
+            short(result.train.efficiency()),
+            short(of_motor)
         );
+        for part in result.taken.iter().filter(|part| !is_plain(part)) {
+            let _ = writeln!(
+                out,
+                "  taken from the parameters as well, at the joint: {} of `{}`",
+                amounts(part),
+                part.path
+            );
+        }
         match &result.curve {
             Ok(curve) => {
                 out.push_str(&table(&bearing_rows(result)));
                 let _ = writeln!(out, "  residual {} N*m", significant(curve.residual, 2));
+                if !curve.shows_breakaway() {
+                    let _ = writeln!(out, "  breakaway not identified: {}", no_breakaway(curve));
+                }
             }
             Err(reason) => {
-                let _ = writeln!(
-                    out,
-                    "  not identified: {reason}; speeds below the breakaway velocity may be missing"
-                );
+                let _ = writeln!(out, "  not identified: {reason}");
             }
+        }
+        for note in &result.notes {
+            let _ = writeln!(out, "  note: {note}");
         }
         out.push('\n');
     }
     out
+}
+
+/// Why there is no breakaway torque.
+fn no_breakaway(curve: &CurveFit) -> String {
+    format!(
+        "{} of the speeds used shows it, and two are needed",
+        if curve.slow == 0 { "none" } else { "one" }
+    )
 }
 
 fn estimates(rows: &[Row]) -> Value {
@@ -187,6 +226,10 @@ pub fn json(results: &[AxisFriction]) -> String {
         let two = result.two_point.map(|(two, half, full)| {
             json!({ "viscous": two.viscous, "coulomb": two.coulomb, "speeds": [half, full] })
         });
+        let taken = result
+            .taken
+            .iter()
+            .map(|part| json!({ "part": part.path, "viscous": part.viscous, "coulomb": part.coulomb, "constant": part.constant }));
         let value = json!({
             "axis": result.number, "joint": result.joint, "pose": result.pose.q,
             "gravity_slope": result.pose.slope, "ratio": result.ratio,
@@ -194,7 +237,14 @@ pub fn json(results: &[AxisFriction]) -> String {
             "residual": result.line.as_ref().ok().map(|line| line.fit.residual),
             "two_point": two,
             "bearing": estimates(&bearing_rows(result)),
-            "not_identified": [result.line.as_ref().err(), result.curve.as_ref().err()],
+            "not_identified": [
+                result.line.as_ref().err().cloned(),
+                match &result.curve {
+                    Err(reason) => Some(reason.clone()),
+                    Ok(curve) => (!curve.shows_breakaway()).then(|| no_breakaway(curve)),
+                },
+            ],
+            "taken": taken.collect::<Vec<_>>(), "notes": result.notes,
             "points": points,
         });
         let _ = writeln!(out, "{}", super::typed("friction", value));

@@ -13,6 +13,7 @@ mod failure;
 mod friction;
 mod friction_recorded;
 mod friction_report;
+mod law;
 mod look_into;
 mod out;
 mod parameters;
