@@ -66,8 +66,8 @@ fn between(a: &Solid, at: &Placement, b: &Solid, bt: &Placement) -> Distance {
     let start = if apart.norm() > 0.0 { apart } else { Vector3::x() };
     let cores = nearest(|d| farthest(a, at, d), |d| farthest(b, bt, d), start);
     let Some(([p, q], gap)) = cores else {
-        let height = |n: &Vector3<f64>| n.dot(&(farthest(a, at, n) - farthest(b, bt, &-n)));
-        let (deep, out) = depth(height, &likely(at, bt));
+        let reach = |n: &Vector3<f64>| farthest(a, at, n) - farthest(b, bt, &-n);
+        let (deep, out) = depth(reach, &likely(at, bt));
         let point = |solid: &Solid, place: &Placement, way: Vector3<f64>| {
             farthest(solid, place, &way) + way * solid.margin
         };
