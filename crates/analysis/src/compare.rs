@@ -129,7 +129,12 @@ pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
         let mut is_outside = false;
         // Once where nothing jumps.
         let sides = if base.0 == base.1 && new.0 == new.1 { 1 } else { 2 };
-        for (baseline, compared) in [(base.0, new.0), (base.1, new.1)].into_iter().rev().take(sides) {
+        let ends = [(base.0, new.0), (base.1, new.1)].into_iter().rev().take(sides);
+        let passed = match rule.interpolation {
+            Interpolation::Hold => [&[][..]; 2],
+            Interpolation::Linear | Interpolation::Smooth => [baseline.passed(t), other.passed(t)],
+        };
+        for (baseline, compared) in ends.chain(within(passed, base, new)) {
             let tolerance = tolerance(baseline, rule);
             let deviation = Deviation { time: t, baseline, compared, tolerance };
             let size = size(&deviation);
@@ -149,6 +154,23 @@ pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
     }
     found.rms = if squares.1 > 0 { (squares.0 / squares.1 as f64).sqrt() } else { 0.0 };
     found
+}
+
+/// Values that one of two signals has for no time at all, between those that it comes from and goes to, each beside the nearest that the
+/// other has meanwhile.
+fn within(
+    passed: [&[f64]; 2],
+    base: (f64, f64),
+    new: (f64, f64),
+) -> impl Iterator<Item = (f64, f64)> + use<'_> {
+    let range = |ends: (f64, f64), passed: &[f64]| {
+        let all = passed.iter().copied().chain([ends.0, ends.1]);
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let (of_base, of_new) = (range(base, passed[0]), range(new, passed[1]));
+    let nearest = |x: f64, (low, high): (f64, f64)| x.min(high).max(low);
+    let bases = passed[0].iter().map(move |x| (*x, nearest(*x, of_new)));
+    bases.chain(passed[1].iter().map(move |x| (nearest(*x, of_base), *x)))
 }
 
 /// Whether a signal has a value at a time, but for rounding.

@@ -140,3 +140,24 @@ fn a_share_of_the_range_counts_where_the_signal_is_zero() {
     assert_eq!(rule.over(&Series::new(&[0.0, 1.0, 2.0], &[1.0, f64::NAN, 3.0])).absolute, 0.2);
     assert_eq!(rule.over(&Series::new(&[], &[])).absolute, 0.0);
 }
+
+/// Two events at one time: the value between them lasts for no time, and is seen all the same, but not of what is held.
+#[test]
+fn a_value_between_two_rows_of_one_time_is_compared() {
+    let by = |baseline: Series, other: Series, interpolation| {
+        compare(baseline, other, &Rule { interpolation, ..Rule::default() })
+    };
+    let (time, values) = ([0.0, 0.5, 0.5, 0.5, 1.0], [0.0, 0.0, 7.0, 0.0, 0.0]);
+    let (flat, steps) = (Series::new(&[0.0, 1.0], &[0.0, 0.0]), Series::new(&time, &values));
+    for (baseline, other) in [(steps, flat), (flat, steps)] {
+        let found = by(baseline, other, Interpolation::Linear);
+        assert_eq!(found.outside, 1);
+        assert_eq!(found.maximum.map(|maximum| maximum.difference().abs()), Some(7.0));
+        assert!(by(baseline, other, Interpolation::Hold).is_same());
+    }
+    assert!(by(steps, steps, Interpolation::Linear).is_same());
+    // On the way of a jump of the other.
+    let jump = Series::new(&[0.0, 0.5, 0.5, 1.0], &[0.0, 0.0, 9.0, 9.0]);
+    let values = [0.0, 0.0, 7.0, 9.0, 9.0];
+    assert!(by(jump, Series::new(&time, &values), Interpolation::Linear).is_same());
+}

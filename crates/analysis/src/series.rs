@@ -40,6 +40,13 @@ impl<'a> Series<'a> {
         Bend::between(self.time.len(), |at| (self.time[at], self.values[at]), from)
     }
 
+    /// The values of rows at the very time `t` between the first and the last of them.
+    pub fn passed(&self, t: f64) -> &'a [f64] {
+        let from = self.time.partition_point(|&x| x < t);
+        let rows = self.time[from..].iter().take_while(|&&x| x == t).count();
+        if rows > 2 { &self.values[from + 1..from + rows - 1] } else { &[] }
+    }
+
     /// The values that the signal comes from and goes to at time `t`, the same but for jumps; those of its ends
     /// beyond them. `None` without any value.
     ///
