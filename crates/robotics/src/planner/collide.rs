@@ -177,17 +177,7 @@ const COARSE: usize = 16;
 pub fn encounters(robot: &Robot, course: &dyn Course, space: &Space, waypoints: usize) -> Encounters {
     // Nothing jumps where the parts are: seams matter where they are few, and are many where a course has one at each knot.
     let count = waypoints.max(FEWEST);
-    let mut times = course.times(count);
-    if times.len() > 2 * count {
-        let every = times.len() / count;
-        let last = times.len() - 1;
-        times = times
-            .into_iter()
-            .enumerate()
-            .filter(|(k, _)| k % every == 0 || *k == last)
-            .map(|(_, t)| t)
-            .collect();
-    }
+    let times = if course.seams().len() > count { course.parts(count) } else { course.times(count) };
     let mut found = Encounters { poses: times.len(), ..Encounters::default() };
     let mut poses = Poses::new(robot);
     let mut walks = [Walk::new(&space.own), Walk::new(&space.around)];

@@ -230,10 +230,15 @@ pub trait Course: std::fmt::Debug + Send + Sync {
         Vec::new()
     }
 
-    /// The seams and `count` equal parts of the time, in ascending order.
+    /// The ends of `count` equal parts of the time, in ascending order.
+    fn parts(&self, count: usize) -> Vec<f64> {
+        (0..=count).map(|k| self.duration() * (k as f64 / count as f64)).collect()
+    }
+
+    /// The same with the seams.
     fn times(&self, count: usize) -> Vec<f64> {
-        let even = (0..=count).map(|k| self.duration() * (k as f64 / count as f64));
-        let mut times: Vec<f64> = even.chain(self.seams()).collect();
+        let mut times = self.parts(count);
+        times.extend(self.seams());
         times.sort_by(f64::total_cmp);
         times
     }

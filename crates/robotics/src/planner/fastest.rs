@@ -9,13 +9,15 @@ use crate::planner::joint_path::JointPath;
 use crate::planner::law::TimeLaw;
 use crate::planner::phase_plane::{Bounds, Knot, time_optimal};
 
-/// Intervals for one between knots, at most.
+/// Intervals in all, at least: an acceleration is the same on each, and the more they are the nearer it is to its limits on all of it.
+const FEWEST: usize = 2000;
+/// How many times as many, at most.
 const FINEST: usize = 32;
 /// Intervals in all, at most: beyond, the motion is slowed down instead.
 const MOST: usize = 20_000;
 /// By how much speeds may be above what they can be before the intervals are divided, relative.
 const CLOSE: f64 = 1e-3;
-/// Places within an interval at which the limits are looked at, and at last.
+/// Places within an interval at which the limits are looked at; and at last, between two knots.
 const INSIDE: usize = 4;
 const AT_LAST: usize = 64;
 /// What may lie between the last of them, relative.
@@ -24,7 +26,8 @@ const BETWEEN: f64 = 2e-6;
 /// Length over time of the fastest motion from rest to rest; `None` where there is none.
 pub(crate) fn fastest(joints: &JointPath, path: &Path, bounds: &Bounds) -> Option<TimeLaw> {
     let (axes, length) = (joints.axes(), joints.length());
-    let mut parts = 1;
+    let fewest = FEWEST.div_ceil(joints.intervals().max(1));
+    let mut parts = fewest;
     loop {
         let n = joints.intervals() * parts;
         let step = length / n as f64;
@@ -36,7 +39,7 @@ pub(crate) fn fastest(joints: &JointPath, path: &Path, bounds: &Bounds) -> Optio
             .collect();
         let curvatures: Vec<f64> = places.map(|s| path.at(s).curvature.norm()).collect();
         let squares = time_optimal(n, step, |k, axis| knots[k * axes + axis], |k| curvatures[k], bounds);
-        let finer = parts < FINEST && 2 * n <= MOST;
+        let finer = parts < FINEST * fewest && 2 * n <= MOST;
         let excess =
             squares.as_ref().map_or(f64::INFINITY, |x| excess(joints, path, bounds, (step, INSIDE), x));
         if excess > 1.0 + CLOSE && finer {
@@ -45,7 +48,8 @@ pub(crate) fn fastest(joints: &JointPath, path: &Path, bounds: &Bounds) -> Optio
         }
         // All speeds by one factor: speeds go with it, accelerations with its square.
         let mut squares = squares?;
-        let excess = excess.max(self::excess(joints, path, bounds, (step, AT_LAST), &squares));
+        let at_last = (AT_LAST / parts).max(INSIDE);
+        let excess = excess.max(self::excess(joints, path, bounds, (step, at_last), &squares));
         if excess > 1.0 - BETWEEN {
             let slower = (excess * (1.0 + BETWEEN)).powi(2);
             squares.iter_mut().for_each(|x| *x /= slower);

@@ -221,16 +221,15 @@ impl Course for Sequence {
         seams
     }
 
-    /// Each move is looked at as if it were alone: waiting must not make it a small part of the time.
-    fn times(&self, count: usize) -> Vec<f64> {
+    /// Each move is divided as if it were alone: waiting must not make it a small part of the time.
+    fn parts(&self, count: usize) -> Vec<f64> {
         let each = (count / self.steps.len().max(1)).max(FEWEST.min(count));
         let of = |(step, begin): (&Step, &f64)| -> Vec<f64> {
-            step.course.times(each).iter().map(|t| begin + t).collect()
+            step.course.parts(each).iter().map(|t| begin + t).collect()
         };
         let even = (0..=count).map(|k| self.duration * (k as f64 / count as f64));
         let moves = self.steps.iter().zip(&self.begins).flat_map(of);
         let mut times: Vec<f64> = even.chain(moves).filter(|t| *t <= self.duration).collect();
-        times.push(self.duration);
         times.sort_by(f64::total_cmp);
         times
     }
