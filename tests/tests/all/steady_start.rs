@@ -692,3 +692,24 @@ fn ends_of_travel_are_reached_but_not_passed() {
     let end = 30_f64.to_radians();
     assert!((run.last("show.stop") - end).abs() < 1e-9 && (run.last("show.x") - end).abs() < 1e-9);
 }
+
+/// Bristles that are bent further than any motion bends them would hold any load.
+#[test]
+fn bristles_hold_no_more_than_their_breakaway_torque() {
+    let text = |load: f64| {
+        diagram(
+            "",
+            &format!(
+                r#""friction": LuGreFriction(coulomb: "1 N*m", breakaway: "1.5 N*m", stribeck_velocity: "0.01 rad/s", viscous: "0.4 N*m*s/rad",
+                       sigma0: "1e4 N*m/rad", sigma1: "100 N*m*s/rad"),
+                   "wheel": Inertia(j: "0.1 kg*m^2"), "housing": RotationalReference, "load": Constant(value: "{load} N*m"),
+                   "torque": IdealTorqueSource, "show": Scope(inputs: ["z"])"#
+            ),
+            r#""load.y -> torque.tau", "torque.r <-> wheel.r <-> friction.r", "torque.c <-> housing.r <-> friction.c", "friction.z -> show.z""#,
+        )
+    };
+    near(stays(&text(-1.4), 1e-9).column("show.z")[0], -1.4e-4, 1e-6);
+    let refused = refused(&text(3.0));
+    assert_eq!(refused.code, "no_steady_state");
+    assert!(refused.message.contains("more than its breakaway torque"), "{}", refused.message);
+}

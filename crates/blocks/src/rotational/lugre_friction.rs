@@ -69,6 +69,9 @@ pub struct LuGreFriction {
     pub heat_port: bool,
 }
 
+/// A share of the breakaway torque beyond it that counts as rounding.
+const FITTING: f64 = 1e-6;
+
 /// What follows from deflection and speed, with derivatives over the speed.
 struct Bristles {
     /// Rate of the deflection, rad/s.
@@ -123,6 +126,17 @@ impl Component for LuGreFriction {
 
     fn derivatives(&self, c: &Flowing, dx: &mut [f64]) {
         dx[0] = self.bristles(c.x[0], c.speed[0]).rate;
+    }
+
+    /// At rest the equations hold at any deflection, but no motion leads to one beyond breakaway.
+    fn fit(&self, _c: &Flowing, x: &mut [f64]) -> Option<String> {
+        let held = self.sigma0 * x[0].abs();
+        if held <= self.breakaway * (1.0 + FITTING) {
+            return None;
+        }
+        x[0] = (self.breakaway / self.sigma0).copysign(x[0]);
+        let breakaway = self.breakaway;
+        Some(format!("holds {held:.3e} N*m at rest, more than its breakaway torque of {breakaway:.3e} N*m"))
     }
 
     fn energy(&self, c: &Flowing) -> Energy {
