@@ -14,7 +14,8 @@ use super::gate::{GateState, gate_input};
 /// Its discrete states are those of the block, the held outputs, then, if states are reset, the initial values of the continuous and
 /// the discrete states and the times of the last reset of the discrete and of the continuous ones, and, if there is a trigger, the time
 /// of the last update. Discrete states are reset before anything is made of them: others must not act on what they were, at an instant
-/// at which that is no more. A block that measures the time since the last step has a time of its own, which stands still with it and begins anew with its states: there follow
+/// at which that is no more. A block that measures the time since the last step has a time of its own, which stands still with it and
+/// begins anew with its states: there follow
 /// how far it is behind, and when it stopped.
 #[derive(Debug, Clone)]
 pub(crate) struct Conditional {
