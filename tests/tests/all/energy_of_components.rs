@@ -120,24 +120,6 @@ fn matrix([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
     ]
 }
 
-/// Two-pins that an element counts as in a law; a machine that a source feeds directly has none.
-fn two_pins(element: &Element) -> usize {
-    match element {
-        Element::VoltageSource { .. }
-        | Element::Capacitance { .. }
-        | Element::Winding { .. }
-        | Element::CurrentSource { .. }
-        | Element::Resistance { .. }
-        | Element::Characteristic { .. }
-        | Element::Valve { .. }
-        | Element::Heat { .. }
-        | Element::VoltageProbe { .. }
-        | Element::CurrentProbe { .. } => 1,
-        Element::IdealTransformer { .. } | Element::VariableTransformer { .. } => 2,
-        _ => 0,
-    }
-}
-
 fn has_speed(element: &Element) -> bool {
     matches!(
         element,
@@ -189,7 +171,7 @@ impl Point {
         let is_law = |e: &&Element| matches!(e, Element::Characteristic { .. });
         let place = |(handle, index): &(_, usize)| ElementPlace {
             handle: *handle,
-            two_pin: part.elements[..*index].iter().map(two_pins).sum(),
+            two_pin: part.elements[..*index].iter().map(Element::two_pins).sum(),
             characteristic: is_law(&&part.elements[*index])
                 .then(|| part.elements[..*index].iter().filter(is_law).count()),
         };
@@ -219,8 +201,8 @@ impl Point {
             inputs,
             speed: random.list(pins),
             mode: vec![1.0; pins],
-            voltage: random.list(elements.iter().map(two_pins).sum()),
-            current: random.list(elements.iter().map(two_pins).sum()),
+            voltage: random.list(elements.iter().map(Element::two_pins).sum()),
+            current: random.list(elements.iter().map(Element::two_pins).sum()),
             supply: Supply {
                 voltage: [random.next(), random.next()],
                 zero: random.next(),
@@ -313,7 +295,7 @@ impl Point {
         let mut laws = Vec::new();
         for element in &self.elements {
             laws.extend(law(element).then_some(at));
-            at += two_pins(element);
+            at += element.two_pins();
         }
         let across: Vec<f64> = laws.iter().map(|at| self.voltage[*at]).collect();
         let (mut through, mut slope) = (vec![0.0; laws.len()], vec![0.0; laws.len() * laws.len()]);
@@ -328,7 +310,7 @@ impl Point {
             } else if is_winding(element) {
                 self.current[at] = i.next().expect("a current");
             }
-            at += two_pins(element);
+            at += element.two_pins();
         }
     }
 
@@ -357,7 +339,7 @@ impl Point {
                 powers.extend([1.5 * v_d * i_d, 1.5 * v_q * i_q, 3.0 * self.supply.zero * i_0]);
             }
             pin += usize::from(has_speed(element));
-            two_pin += two_pins(element);
+            two_pin += element.two_pins();
         }
         let mut tau = vec![Torque::default(); self.joint.len()];
         if !tau.is_empty() {

@@ -395,7 +395,8 @@ fn play_and_limited_rates_do_not_chatter_in_a_loop() {
     }
 }
 
-/// A solution that is followed may end, where it meets another one. The third is none that it goes over to: nothing in the model says how.
+/// The solution that is followed can meet a second one, and beyond that point neither exists. The run must stop there: the model does not
+/// define a way to the third solution.
 #[test]
 fn a_solution_that_ends_is_not_exchanged_for_another_one() {
     // y^3 - 3 y = u has no solution near -1 beyond u = 2; y - 2 tanh(y) = -u none near 0.88 beyond u = 0.53.

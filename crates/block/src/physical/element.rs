@@ -16,6 +16,24 @@ pub enum ValveKind {
 }
 
 impl Element {
+    /// How many voltages and currents it has in a law; none of a machine that a source feeds directly.
+    pub fn two_pins(&self) -> usize {
+        match self {
+            Element::VoltageSource { .. }
+            | Element::Winding { .. }
+            | Element::CurrentSource { .. }
+            | Element::Capacitance { .. }
+            | Element::Resistance { .. }
+            | Element::Characteristic { .. }
+            | Element::Valve { .. }
+            | Element::Heat { .. }
+            | Element::VoltageProbe { .. }
+            | Element::CurrentProbe { .. } => 1,
+            Element::IdealTransformer { .. } | Element::VariableTransformer { .. } => 2,
+            _ => 0,
+        }
+    }
+
     /// Where it ends, if it is electrical, or of a domain with the same assembly.
     pub fn pins(&self) -> Vec<Pin> {
         match *self {

@@ -70,7 +70,7 @@ fn states_that_are_reset_begin_anew_and_outputs_hold_meanwhile() {
 /// A counter that each edge resets which it would count stands at 0 always, and so does what is triggered and reset at once at its initial
 /// value: what is reset by an edge of such a signal is never reset.
 #[test]
-fn nobody_sees_what_was_there_before_a_reset() {
+fn nothing_acts_on_what_was_there_before_a_reset() {
     let count = r#"Diagram(inputs: { "u": () }, outputs: { "y": "c.count" }, blocks: { "c": Counter }, connections: ["in.u -> c.u"])"#;
     let delay = r#"Diagram(inputs: { "u": () }, outputs: { "y": "d.y" },
         blocks: { "d": UnitDelay(ts: "1 s", x0: -2) }, connections: ["in.u -> d.u"])"#;

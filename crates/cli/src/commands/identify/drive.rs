@@ -330,7 +330,7 @@ impl<'a> Builder<'a> {
         });
     }
 
-    /// A part that blocks control.
+    /// A part whose torque depends on its inputs.
     fn commanded(&mut self, member: &Member) {
         let path = &member.path;
         // Brakes and clutches are open while an axis moves.
@@ -346,7 +346,7 @@ impl<'a> Builder<'a> {
         });
     }
 
-    /// Books a friction that is known, unless it is none.
+    /// Adds a known friction to the train, except where it is zero.
     fn take(&mut self, path: String, torque: Torques, stages: Vec<Stage>, is_at_motor: bool) {
         if [1.0, -1.0].into_iter().any(|w| torque.at(w) != 0.0) {
             self.drive.train.known.push(KnownFriction { torque, stages });

@@ -81,29 +81,11 @@ fn acting(member: &Member) -> Option<&Element> {
     found.next().filter(|_| found.next().is_none())
 }
 
-/// Two-pins that an element counts as.
-fn two_pins(element: &Element) -> usize {
-    match element {
-        Element::VoltageSource { .. }
-        | Element::Winding { .. }
-        | Element::CurrentSource { .. }
-        | Element::Capacitance { .. }
-        | Element::Resistance { .. }
-        | Element::Characteristic { .. }
-        | Element::Valve { .. }
-        | Element::Heat { .. }
-        | Element::VoltageProbe { .. }
-        | Element::CurrentProbe { .. } => 1,
-        Element::IdealTransformer { .. } | Element::VariableTransformer { .. } => 2,
-        _ => 0,
-    }
-}
-
 /// Voltages of the two-pins of a member at rest.
 fn voltages(member: &Member) -> Vec<f64> {
     let of = |element: &Element| {
         let volts = if matches!(element, Element::Heat { .. }) { ROOM } else { 0.0 };
-        std::iter::repeat_n(volts, two_pins(element))
+        std::iter::repeat_n(volts, element.two_pins())
     };
     member.part.elements.iter().flat_map(of).collect()
 }
@@ -118,7 +100,7 @@ fn without_current(member: &Member, w: f64) -> Option<Vec<f64>> {
             Element::CurrentSource { .. } => windings.push((pin, true)),
             _ => {}
         }
-        pin += two_pins(element);
+        pin += element.two_pins();
     }
     let currents = |voltage: &[f64]| {
         seen(member, w, voltage, |component, c| {
@@ -160,7 +142,7 @@ fn seen<T>(
             two_pin,
             characteristic: None,
         }));
-        two_pin += two_pins(element);
+        two_pin += element.two_pins();
     }
     let (x, d) = (vec![0.0; part.states.len()], vec![0.0; part.discrete.len()]);
     let (speed, mode) = (vec![w; part.elements.len()], vec![w.signum(); part.elements.len()]);
