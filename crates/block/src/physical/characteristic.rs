@@ -59,7 +59,7 @@ impl<'a> Characteristics<'a> {
 
     fn place(&self, handle: Handle) -> Option<usize> {
         let place = find(self.places, handle).and_then(|place| place.characteristic);
-        debug_assert!(place.is_some(), "the part has no characteristic `{}`", handle.name());
+        assert!(place.is_some(), "the part has no characteristic `{}`", handle.name());
         place
     }
 

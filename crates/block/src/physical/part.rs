@@ -378,7 +378,7 @@ impl Part {
 
     /// Adds a thermal port that heat of the component leaves by, behind the other ports and before the nodes inside.
     pub fn heat_port_named(self, name: &str, handle: Handle, doc: &'static str) -> Self {
-        debug_assert!(self.ports.iter().all(|port| !port.inner), "ports come before the nodes inside");
+        assert!(self.ports.iter().all(|port| !port.inner), "ports come before the nodes inside");
         let port = self.ports.len();
         self.port(name, Domain::Thermal, doc).named(handle, Element::Heat { port })
     }

@@ -224,7 +224,7 @@ impl Network {
         let mut shifted = 0;
         for (index, seat) in seats.iter_mut().enumerate().filter(|(index, _)| is_shifted(&electrics, *index))
         {
-            debug_assert!(electrics.places[index].island.is_some());
+            assert!(electrics.places[index].island.is_some());
             seat.shifted = Some(shifted);
             shifted += seat.x.len();
         }

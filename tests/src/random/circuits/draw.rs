@@ -14,7 +14,7 @@ pub(super) fn draw(seed: u64) -> Circuit {
     let Draft { nodes, branches, .. } = draft;
     let every = dice.chance(0.6).then_some(2e-4);
     let circuit = Circuit { nodes, branches, stop: 0.04, every, integrals: dice.chance(0.6) };
-    debug_assert!(circuit.is_sound(), "{circuit:?}");
+    assert!(circuit.is_sound(), "{circuit:?}");
     circuit
 }
 

@@ -12,7 +12,7 @@ pub struct Rows(pub Recording);
 impl Observer for Rows {
     fn row(&mut self, t: f64, values: &[f64]) {
         let pushed = self.0.push_row(t, values);
-        debug_assert!(pushed.is_ok(), "the engine gives rows in their order");
+        assert!(pushed.is_ok(), "the engine gives rows in their order");
     }
 
     fn progress(&mut self, _t: f64, _counts: &Counts) -> Control {

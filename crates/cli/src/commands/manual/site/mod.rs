@@ -30,7 +30,7 @@ const MARK: &str = "search-index.js";
 pub fn write(folder: &Path, replace: bool, console: Console) -> Outcome {
     check_place(folder, replace)?;
     let rendered = site().render();
-    debug_assert!(rendered.dead.is_empty(), "{:?}", rendered.dead);
+    assert!(rendered.dead.is_empty(), "{:?}", rendered.dead);
     put(folder, &rendered)?;
     let pages = rendered.files.keys().filter(|name| name.ends_with(".html")).count();
     console.data(&format!("{pages} pages, open {}\n", folder.join("index.html").display()))?;
