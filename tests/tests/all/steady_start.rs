@@ -693,23 +693,37 @@ fn ends_of_travel_are_reached_but_not_passed() {
     assert!((run.last("show.stop") - end).abs() < 1e-9 && (run.last("show.x") - end).abs() < 1e-9);
 }
 
-/// Bristles that are bent further than any motion bends them would hold any load.
+/// Bristles that are bent further than any motion bends them would hold any load. Beyond breakaway the wheel slides: w = (load - coulomb) /
+/// viscous, once the Stribeck effect is over.
 #[test]
 fn bristles_hold_no_more_than_their_breakaway_torque() {
-    let text = |load: f64| {
+    let text = |load: f64, damping: f64| {
         diagram(
             "",
             &format!(
                 r#""friction": LuGreFriction(coulomb: "1 N*m", breakaway: "1.5 N*m", stribeck_velocity: "0.01 rad/s", viscous: "0.4 N*m*s/rad",
-                       sigma0: "1e4 N*m/rad", sigma1: "100 N*m*s/rad"),
+                       sigma0: "1e4 N*m/rad", sigma1: "{damping} N*m*s/rad"),
                    "wheel": Inertia(j: "0.1 kg*m^2"), "housing": RotationalReference, "load": Constant(value: "{load} N*m"),
-                   "torque": IdealTorqueSource, "show": Scope(inputs: ["z"])"#
+                   "torque": IdealTorqueSource, "motion": MotionSensor, "show": Scope(inputs: ["z", "w"])"#
             ),
-            r#""load.y -> torque.tau", "torque.r <-> wheel.r <-> friction.r", "torque.c <-> housing.r <-> friction.c", "friction.z -> show.z""#,
+            r#""load.y -> torque.tau", "torque.r <-> wheel.r <-> friction.r <-> motion.r",
+               "torque.c <-> housing.r <-> friction.c <-> motion.c", "friction.z -> show.z", "motion.w -> show.w""#,
         )
     };
-    near(stays(&text(-1.4), 1e-9).column("show.z")[0], -1.4e-4, 1e-6);
-    let refused = refused(&text(3.0));
+    for damping in [0.0, 100.0] {
+        for load in [-1.4, 1.49, 0.3, 0.1] {
+            let run = stays(&text(load, damping), 1e-9);
+            near(run.column("show.z")[0], 1e-4 * load, 1e-6);
+            assert!(run.column("show.w")[0].abs() < 1e-15);
+        }
+        for load in [2.0, 3.0, -3.0, -20.0_f64] {
+            let run = stays(&text(load, damping), 1e-9);
+            near(run.column("show.z")[0], 1e-4 * load.signum(), 1e-6);
+            near(run.column("show.w")[0], (load.abs() - 1.0) / 0.4 * load.signum(), 1e-6);
+        }
+    }
+    // Little above breakaway the motion begins too slowly to be found.
+    let refused = refused(&text(1.501, 100.0));
     assert_eq!(refused.code, "no_steady_state");
     assert!(refused.message.contains("more than its breakaway torque"), "{}", refused.message);
 }

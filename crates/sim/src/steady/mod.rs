@@ -112,7 +112,7 @@ impl Simulation {
             round += 1;
             let conditions = Conditions::new(self, asked, strict);
             let mut rest = Search::new(conditions, go, &mut begin)
-                .run()
+                .run(round + 1 == ROUNDS)
                 .map_err(|failure| self.failed(asked, failure))?;
             evaluations += rest.evaluations;
             let evaluated = self.diagram.continuous(self.t, &self.x);

@@ -9,6 +9,8 @@ use crate::SimError;
 
 /// Steps of Newton's method.
 const STEPS: usize = 60;
+/// Of these, steps that are not spent on making exact what holds: at a kink of a law each step may leave over a part of the one before.
+const RESERVED: usize = 15;
 /// Changes by which nothing that is at rest is held there, 1/s.
 const AT_ONCE: f64 = 10.0;
 /// An equation holds when a change of an unknown by this part of its size, or of 1, would make it so.
@@ -20,6 +22,22 @@ const PATIENCE: usize = 40;
 /// A step of this part of an unknown is one, if it is more than rounding of the smallest that is looked at.
 const FARTHER: f64 = 1e-6;
 const SMALLEST: f64 = 1e-9;
+/// How the model is let go.
+#[derive(Clone, Copy)]
+struct Pace {
+    /// Part of its size by which what moves fastest moves in the first step.
+    first: f64,
+    /// Factor between the lengths of two steps.
+    growth: f64,
+    /// Times after which no rest is sought.
+    unseen: usize,
+}
+
+/// To any rest.
+const SOON: Pace = Pace { first: 0.1, growth: 2.0, unseen: 0 };
+/// Where the search has ended at a state that no motion leads to. Long implicit steps go to such a state, which is not stable, as to
+/// any other.
+const SLOWLY: Pace = Pace { first: 1e-3, growth: 1.2, unseen: 2 };
 /// Times that the model is let go, and steps of each.
 const RELEASES: usize = 24;
 const RELEASE: usize = 12;
@@ -109,26 +127,38 @@ impl<'s, 'g> Search<'s, 'g> {
         Self { conditions, go, rest, origin, begin }
     }
 
-    pub fn run(mut self) -> Result<Rest, Failure> {
+    /// Searches from the present states; where `lets_go`, not before the model has been let go from there.
+    pub fn run(mut self, lets_go: bool) -> Result<Rest, Failure> {
         let mut z = self.conditions.present();
         let mut kept = self.conditions.keep();
-        let lost = match self.newton(z.clone())? {
-            Ok(rest) => return Ok(rest),
-            Err(lost) => lost,
-        };
+        let mut lost = None;
+        if !lets_go {
+            match self.newton(z.clone())? {
+                Ok(rest) => return Ok(rest),
+                Err(found) => lost = Some(found),
+            }
+        }
         // The model is let go from where it was, and looked at now and then.
         let mut step = None;
-        for _ in 0..RELEASES {
+        let pace = if lets_go { SLOWLY } else { SOON };
+        for k in 0..RELEASES {
             self.conditions.recall(&kept);
-            if !self.release(&mut z, &mut step)? {
+            if !self.release(&mut z, &mut step, pace)? {
                 break;
             }
             kept = self.conditions.keep();
-            if let Ok(rest) = self.newton(z.clone())? {
-                return Ok(rest);
+            if k < pace.unseen {
+                continue;
+            }
+            match self.newton(z.clone())? {
+                Ok(rest) => return Ok(rest),
+                Err(found) => lost = lost.or(Some(found)),
             }
         }
-        Err(Failure::Restless(lost))
+        match lost {
+            Some(lost) => Err(Failure::Restless(lost)),
+            None => self.newton(z)?.map_err(Failure::Restless),
+        }
     }
 
     /// What moves at the present states all the same, measured by itself; nothing where all equations hold.
@@ -154,7 +184,7 @@ impl<'s, 'g> Search<'s, 'g> {
             *self.begin = Some(Begin { z: z.clone(), led, slopes: is_small.then(|| slopes.clone()) });
         }
         let mut patience = PATIENCE;
-        for _ in 0..STEPS {
+        for k in 0..STEPS {
             let now = slopes.norm(&self.rest);
             let worst = slopes.worst(&self.rest);
             let step = slopes.step(&self.rest, |_| 0.0);
@@ -166,9 +196,10 @@ impl<'s, 'g> Search<'s, 'g> {
                     Some(next) => self.try_at(next).map_or(f64::INFINITY, |()| slopes.norm(&self.rest)),
                     None => f64::INFINITY,
                 };
-                let goes_on = left < 0.5 * now
+                let is_worth_it = left < 0.5 * now
                     || left < now
                         && step.as_ref().is_some_and(|step| self.falls_short(&z, step, &slopes, &rest));
+                let goes_on = is_worth_it && k < STEPS - RESERVED;
                 // What is small, as volumes and leakage currents are, may still have a long way to go.
                 let far = step.filter(|step| !goes_on && patience > 0 && is_far(&z, step));
                 if let Some(next) = next.filter(|_| goes_on) {
@@ -317,14 +348,14 @@ impl<'s, 'g> Search<'s, 'g> {
     }
 
     /// Implicit steps in time from `z`, the first one of length `step`, s; returns whether it went on.
-    fn release(&mut self, z: &mut Vec<f64>, step: &mut Option<f64>) -> Result<bool, Failure> {
+    fn release(&mut self, z: &mut Vec<f64>, step: &mut Option<f64>, pace: Pace) -> Result<bool, Failure> {
         for _ in 0..RELEASE {
             let slopes = self.slopes(z)?;
             let rates = self.conditions.rates.clone();
             let of = |i: usize| rates[i] * self.rest[i].abs() / slopes.sizes[i];
             let fastest =
                 (0..self.conditions.paired()).filter(|i| slopes.needed[*i]).map(of).fold(0.0, f64::max);
-            let mut h = step.unwrap_or((0.1 / fastest).clamp(1e-9, 1.0));
+            let mut h = step.unwrap_or((pace.first / fastest).clamp(1e-9, 1.0));
             let next = loop {
                 if h < 1e-15 {
                     return Ok(false);
@@ -345,7 +376,7 @@ impl<'s, 'g> Search<'s, 'g> {
             if h > ETERNITY {
                 return Ok(false);
             }
-            *step = Some(2.0 * h);
+            *step = Some(pace.growth * h);
         }
         Ok(true)
     }
