@@ -693,6 +693,27 @@ fn ends_of_travel_are_reached_but_not_passed() {
     assert!((run.last("show.stop") - end).abs() < 1e-9 && (run.last("show.x") - end).abs() < 1e-9);
 }
 
+/// Where one side of a cylinder is open to the tank its pressure is zero, whose size is that of a pressure. The stop yields by
+/// (p_a A_a) / k at one end and by (p_b A_b) / k at the other.
+#[test]
+fn a_cylinder_rests_at_the_end_that_its_valve_drives_it_to() {
+    for (spool, end) in [(0.3, 0.8 + 0.2e-3), (-0.3, -0.12e-3), (0.01, 0.8 + 0.2e-3)] {
+        let text = diagram(
+            "",
+            &format!(
+                r#""valve": DirectionalValve(area: "10 mm^2"), "spool": Constant(value: {spool}), "supply": Tank(p: "100 bar"), "tank": Tank,
+                   "cylinder": HydraulicCylinder(area_a: "20 cm^2", area_b: "12 cm^2", stroke: "800 mm", x0: "300 mm"),
+                   "mass": Mass(m: "100 kg"), "frame": TranslationalReference, "show": Scope(inputs: ["q_a", "q_b", "x"])"#
+            ),
+            r#""spool.y -> valve.s", "supply.a <-> valve.p", "tank.a <-> valve.t", "valve.a <-> cylinder.a", "valve.b <-> cylinder.b",
+               "cylinder.r <-> mass.r", "cylinder.c <-> frame.r", "valve.q_a -> show.q_a", "valve.q_b -> show.q_b", "cylinder.x -> show.x""#,
+        );
+        let run = stays(&text, 1e-9);
+        assert!((run.column("show.x")[0] - end).abs() < 1e-7, "{} m", run.column("show.x")[0]);
+        assert!(run.column("show.q_a")[0].abs() < 1e-12 && run.column("show.q_b")[0].abs() < 1e-12);
+    }
+}
+
 /// Bristles that are bent further than any motion bends them would hold any load. Beyond breakaway the wheel slides: w = (load - coulomb) /
 /// viscous, once the Stribeck effect is over.
 #[test]

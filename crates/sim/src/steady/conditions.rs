@@ -51,6 +51,8 @@ pub(super) struct Conditions<'s> {
     pub rates: Vec<f64>,
     /// Names of the unknowns.
     pub names: Vec<String>,
+    /// Size of each unknown where it is nearly zero: 1, or what is typical of a state if that is more, as of a pressure in Pa.
+    least: Vec<f64>,
     /// Unknowns that may go on moving if nothing depends on them.
     pub may_drift: Vec<bool>,
     /// Those of which blocks say so.
@@ -73,8 +75,12 @@ impl<'s> Conditions<'s> {
         let mut names = state_names(&schedule);
         let mut rates = vec![1.0; n];
         let mut drifts = vec![false; n];
+        let mut least = vec![1.0; n];
         for block in &schedule.blocks {
             block.interface.drifting.iter().for_each(|state| drifts[block.x + state] = true);
+            for (state, least) in block.interface.states.iter().zip(&mut least[block.x..]) {
+                *least = state.nominal.unwrap_or(1.0).max(1.0);
+            }
         }
         let mut may_drift: Vec<bool> = drifts.iter().map(|drifts| *drifts || !strict).collect();
         let memories = memories(&schedule, &mut simulation.diagram);
@@ -108,6 +114,7 @@ impl<'s> Conditions<'s> {
         }
         names.extend(asked.free.iter().map(|free| free.name.clone()));
         fixed.resize(names.len(), false);
+        least.resize(names.len(), 1.0);
         let free: Vec<usize> = asked.free.iter().map(|free| free.cell).collect();
         rates.extend(asked.hold.iter().map(|_| 0.0));
         let given: Vec<usize> = memories.iter().flat_map(|memory| memory.calls.iter().copied()).collect();
@@ -127,6 +134,7 @@ impl<'s> Conditions<'s> {
             free,
             rates,
             names,
+            least,
             may_drift,
             drifts,
             fixed,
@@ -160,6 +168,11 @@ impl<'s> Conditions<'s> {
         z.extend(self.memories.iter().flat_map(|memory| &diagram.signals[memory.y.clone()]));
         z.extend(self.free.iter().map(|&cell| diagram.signals[cell]));
         z
+    }
+
+    /// Sizes of the unknowns at `z`.
+    pub fn sizes(&self, z: &[f64]) -> Vec<f64> {
+        z.iter().zip(&self.least).map(|(z, least)| z.abs().max(*least)).collect()
     }
 
     /// What the equations leave over at `z`.

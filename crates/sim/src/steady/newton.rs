@@ -111,11 +111,6 @@ pub(super) struct Begin {
 /// The rate of an unknown on which nothing depends, as a sum of those of others: numbers and factors.
 type Led = (usize, Vec<(usize, f64)>);
 
-/// The size of an unknown; 1 for what is nearly zero, whose size is not known.
-fn size(z: &f64) -> f64 {
-    z.abs().max(1.0)
-}
-
 impl<'s, 'g> Search<'s, 'g> {
     pub fn new(
         conditions: Conditions<'s>,
@@ -123,7 +118,7 @@ impl<'s, 'g> Search<'s, 'g> {
         begin: &'g mut Option<Begin>,
     ) -> Self {
         let rest = vec![0.0; conditions.equations()];
-        let origin = conditions.present().iter().map(size).collect();
+        let origin = conditions.sizes(&conditions.present());
         Self { conditions, go, rest, origin, begin }
     }
 
@@ -414,7 +409,7 @@ impl<'s, 'g> Search<'s, 'g> {
             }
             conditions.evaluate(z, &mut self.rest)?;
         }
-        let sizes: Vec<f64> = z.iter().map(size).collect();
+        let sizes = conditions.sizes(z);
         for (column, size) in sizes.iter().enumerate() {
             if matrix.column(column).iter().any(|slope| !slope.is_finite()) {
                 one_sided(conditions, z, column, *size, &self.rest, &mut matrix);
