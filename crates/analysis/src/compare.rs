@@ -5,6 +5,8 @@ use crate::series::{Interpolation, Series};
 
 /// Times that differ by less than this share of the whole are one.
 const SAME_TIME: f64 = 1e-9;
+/// How many times that far from an instant is beside it.
+const BESIDE: f64 = 3.0;
 
 /// How much signals may differ, and how they are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -115,7 +117,10 @@ pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
     let mut window = (rule.time > 0.0).then(|| Window::new(baseline, rule.interpolation, rule.time, slack));
     let mut squares = (0.0, 0_u64);
     let mut last = f64::NEG_INFINITY;
-    for t in Union::new(baseline.time, other.time, from, to.max(from)) {
+    // What is looked at around an instant changes also between rows: just behind the instant at which a value of the baseline is left out, and
+    // just before one at which a value is added.
+    let beside = (rule.time > 0.0 && rule.instants == Instants::Union).then_some(rule.time + BESIDE * slack);
+    for (t, is_beside) in Times::new(baseline.time, other.time, from, to.max(from), beside) {
         let at = |series: &Series| series.at(t, rule.interpolation, slack);
         let both = || has_value(&baseline, t, slack) && has_value(&other, t, slack);
         // One instant that both have may differ in its last digits.
@@ -124,8 +129,16 @@ pub fn compare(baseline: Series, other: Series, rule: &Rule) -> Comparison {
         }
         last = t;
         let (Some(base), Some(new)) = (at(&baseline), at(&other)) else { continue };
-        found.points += 1;
         let around = window.as_mut().and_then(|window| window.around(t));
+        if is_beside {
+            // Counts where it says something new.
+            let tolerance = tolerance(base.0, rule);
+            let deviation = Deviation { time: t, baseline: base.0, compared: new.0, tolerance };
+            if allowed(&deviation, size(&deviation), around, rule) {
+                continue;
+            }
+        }
+        found.points += 1;
         let mut is_outside = false;
         // Once where nothing jumps.
         let sides = if base.0 == base.1 && new.0 == new.1 { 1 } else { 2 };
@@ -206,42 +219,52 @@ fn allowed(deviation: &Deviation, size: f64, around: Option<(f64, f64)>, rule: &
     within(deviation.compared)
 }
 
-/// All times of two signals within a range in order, each once.
-struct Union<'a> {
-    lists: [&'a [f64]; 2],
-    next: [usize; 2],
+/// Times at which two signals are compared, within a range in order, each once.
+struct Times<'a> {
+    /// Times of the baseline, of the other signal, and those of the baseline moved to where they enter or leave a window around an instant.
+    lists: [(&'a [f64], f64); 4],
+    next: [usize; 4],
     to: f64,
     last: f64,
     ends: [Option<f64>; 2],
 }
 
-impl<'a> Union<'a> {
-    fn new(a: &'a [f64], b: &'a [f64], from: f64, to: f64) -> Union<'a> {
-        let next = [a, b].map(|list| list.partition_point(|&t| t < from));
-        Union { lists: [a, b], next, to, last: f64::NEG_INFINITY, ends: [Some(from), Some(to)] }
+impl<'a> Times<'a> {
+    /// `beside`: half of the width of the window, if there is one.
+    fn new(baseline: &'a [f64], other: &'a [f64], from: f64, to: f64, beside: Option<f64>) -> Times<'a> {
+        let (moved, by) = beside.map_or((&[][..], 0.0), |by| (baseline, by));
+        let lists = [(baseline, 0.0), (other, 0.0), (moved, by), (moved, -by)];
+        let next = lists.map(|(list, by)| list.partition_point(|&t| t + by < from));
+        Times { lists, next, to, last: f64::NEG_INFINITY, ends: [Some(from), Some(to)] }
     }
 }
 
-impl Iterator for Union<'_> {
-    type Item = f64;
+impl Iterator for Times<'_> {
+    /// A time, and whether neither signal has a row there.
+    type Item = (f64, bool);
 
-    fn next(&mut self) -> Option<f64> {
+    fn next(&mut self) -> Option<(f64, bool)> {
         if let Some(from) = self.ends[0].take() {
             self.last = from;
-            return Some(from);
+            return Some((from, false));
         }
         loop {
-            let head = |n: usize| self.lists[n].get(self.next[n]).copied().unwrap_or(f64::INFINITY);
-            let (a, b) = (head(0), head(1));
-            let t = a.min(b);
+            let head = |n: usize| {
+                let (list, by) = self.lists[n];
+                list.get(self.next[n]).map_or(f64::INFINITY, |t| t + by)
+            };
+            let heads = [0, 1, 2, 3].map(head);
+            // Of equal ones the first.
+            let n = (1..4).fold(0, |best, n| if heads[n] < heads[best] { n } else { best });
+            let t = heads[n];
             if t >= self.to {
                 let end = self.ends[1].take()?;
-                return (end > self.last).then_some(end);
+                return (end > self.last).then_some((end, false));
             }
-            self.next[usize::from(b < a)] += 1;
+            self.next[n] += 1;
             if t > self.last {
                 self.last = t;
-                return Some(t);
+                return Some((t, n > 1));
             }
         }
     }

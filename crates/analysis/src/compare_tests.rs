@@ -161,3 +161,91 @@ fn a_value_between_two_rows_of_one_time_is_compared() {
     let values = [0.0, 0.0, 7.0, 9.0, 9.0];
     assert!(by(jump, Series::new(&time, &values), Interpolation::Linear).is_same());
 }
+
+/// Between two changes that lie far apart neither held signal has a row, and what was long ago must not count there.
+#[test]
+fn a_held_change_that_comes_too_late_or_never_is_outside_of_a_time_tolerance() {
+    let signal = |changes: &[(f64, f64)]| {
+        let mut rows = vec![(0.0, 0.0)];
+        for &(t, value) in changes {
+            rows.push((t, rows.last().unwrap().1));
+            rows.push((t, value));
+        }
+        rows.push((1.0, rows.last().unwrap().1));
+        rows.into_iter().unzip::<f64, f64, Vec<_>, Vec<_>>()
+    };
+    let rule = |interpolation| Rule { time: 0.01, interpolation, ..Rule::default() };
+    let pulse = signal(&[(0.4, 1.0), (0.6, 0.0)]);
+    for interpolation in [Interpolation::Hold, Interpolation::Linear, Interpolation::Smooth] {
+        let outside = |a: &_, b: &_| compared(a, b, rule(interpolation)).outside;
+        assert!(outside(&signal(&[(0.5, 1.0)]), &signal(&[(0.9, 1.0)])) > 0, "{interpolation:?}");
+        assert!(outside(&signal(&[(0.5, 1.0)]), &signal(&[(0.1, 1.0)])) > 0, "{interpolation:?}");
+        assert!(outside(&pulse, &signal(&[])) > 0 && outside(&signal(&[]), &pulse) > 0, "{interpolation:?}");
+        assert!(outside(&pulse, &signal(&[(0.395, 1.0), (0.609, 0.0)])) == 0, "{interpolation:?}");
+        assert!(outside(&pulse, &signal(&[(0.395, 1.0), (0.611, 0.0)])) > 0, "{interpolation:?}");
+        assert!(outside(&pulse, &signal(&[(0.389, 1.0), (0.609, 0.0)])) > 0, "{interpolation:?}");
+    }
+    let found = compared(&pulse, &signal(&[]), rule(Interpolation::Hold));
+    assert!(found.first.is_some_and(|first| (first.time - 0.41).abs() < 1e-6), "{found:?}");
+    // Instants that say nothing new are not counted.
+    assert_eq!(compared(&pulse, &pulse, rule(Interpolation::Hold)).points, 4);
+}
+
+/// Random changes, against looking at very many instants.
+#[test]
+fn held_signals_agree_within_a_time_tolerance_where_a_fine_grid_says_so() {
+    let mut state = 7_u64;
+    let mut dice = |n: u64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % n
+    };
+    let mut outside = 0;
+    for _ in 0..400 {
+        // Changes on a grid of 10, the tolerance in the middle of two cells.
+        let mut signal = || {
+            let mut times = vec![0.0];
+            times.extend((0..=dice(4)).map(|_| dice(100) as f64 * 10.0));
+            times.push(1000.0);
+            times.sort_by(f64::total_cmp);
+            let mut values: Vec<f64> = times.iter().map(|_| dice(2) as f64).collect();
+            // What begins at the end lasts for no time.
+            let end = times.partition_point(|t| *t < 1000.0);
+            let before = values[end - 1];
+            values[end..].fill(before);
+            (times, values)
+        };
+        let (a, mut b) = (signal(), signal());
+        if dice(2) == 0 {
+            b = (a.0.iter().map(|t| (t + 20.0 * dice(3) as f64).min(1000.0)).collect(), a.1.clone());
+            b.0[0] = 0.0;
+            b.0.sort_by(f64::total_cmp);
+            let end = b.0.partition_point(|t| *t < 1000.0);
+            let before = b.1[end - 1];
+            b.1[end..].fill(before);
+        }
+        let rule = Rule { time: 25.0, interpolation: Interpolation::Hold, ..Rule::default() };
+        let held = |(times, values): &(Vec<f64>, Vec<f64>), t: f64| {
+            values[times.partition_point(|&x| x <= t).saturating_sub(1)]
+        };
+        let grid = |from: f64, to: f64| {
+            let cells = from.max(0.0).ceil() as i64..=to.min(1000.0).floor() as i64;
+            cells.map(|k| k as f64 + 0.5).take_while(|t| *t < 1000.0)
+        };
+        // Half of a cell is neither here nor there.
+        let disagrees = grid(0.0, 999.0).any(|t| {
+            let new = held(&b, t);
+            grid(t - 25.5, t + 25.5).all(|near| held(&a, near) != new)
+        });
+        let found = compared(&a, &b, rule);
+        if disagrees {
+            assert!(found.outside > 0, "{a:?} {b:?}");
+            outside += 1;
+        }
+        let is_near =
+            grid(0.0, 999.0).all(|t| grid(t - 23.5, t + 23.5).any(|near| held(&a, near) == held(&b, t)));
+        if is_near && held(&a, 1000.0) == held(&b, 1000.0) {
+            assert_eq!(found.outside, 0, "{a:?} {b:?}");
+        }
+    }
+    assert!(outside > 100, "{outside}");
+}
