@@ -13,8 +13,8 @@ use crate::continuous::reset::{Reset, UNSEEN};
 /// $$ x_i \leftarrow x_i + T_s w_k, \qquad x_f \leftarrow x_f + T_s y_d $$
 ///
 /// with $\alpha = 0$ for `ForwardEuler`, 1 for `BackwardEuler`, 1/2 for `Trapezoidal`. With `form: Ideal`, `kp`
-/// multiplies all parts. `BackCalculation` adds $a = k_b (u - v)$, solved together with $v$; `Clamping` sets
-/// $w = 0$ while $v$ is outside the limits and $k_i e$ would lead further out. With `ForwardEuler` the filter is
+/// multiplies all parts. `BackCalculation` adds $a = k_b (u - v)$, solved together with $v$; `Clamping` leaves
+/// $x_i$ as it is while $v$ is outside the limits and $k_i e$ would lead further out. With `ForwardEuler` the filter is
 /// stable only for $n < 2 / T_s$. The unit of the output is that of the input times that of `kp`. Vectors are
 /// controlled element by element. Direct feedthrough.
 ///
@@ -80,7 +80,11 @@ impl DiscretePid {
                 free + self.law.kb * (limits.saturate(v) - v) / (1.0 + loop_gain)
             }
         };
-        let v = law.sum(e, xi + at_once * w, derivative);
+        // Where clamping holds the integral part, `v` stays beyond the limit, or the output would come back from it.
+        let v = match law.anti_windup {
+            AntiWindup::Clamping => v,
+            AntiWindup::None | AntiWindup::BackCalculation => law.sum(e, xi + at_once * w, derivative),
+        };
         Sample { u: limits.saturate(v), w, derivative }
     }
 
@@ -206,6 +210,22 @@ mod tests {
             bench.d[0] = 4.0;
             bench.set(0, &[-1.0, -1.0]).hit();
             assert!((bench.d[0] - 3.97).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn what_is_clamped_has_reached_its_limit() {
+        for method in METHODS {
+            let law =
+                PidLaw { kp: 0.0, ki: 100.0, upper: Some(1.2), ..limited(method, AntiWindup::Clamping).law };
+            let mut bench = Bench::new(DiscretePid { ts: 2.5e-3, law, ..pid(method) });
+            (0..20).for_each(|_| drop(bench.set(0, &[1.0]).hit()));
+            assert_eq!(bench.hit(), [1.2], "{method:?}");
+            // Back from the limit at the first sample of the other sign; what was held is less than a step beyond it.
+            let held = bench.d[0];
+            assert!((1.0 - 1e-12..1.2 + 0.25).contains(&held));
+            let expected = held - 0.25 * method.share();
+            assert!((bench.set(0, &[-1.0]).hit()[0] - expected.min(1.2)).abs() < 1e-12, "{method:?}");
         }
     }
 
