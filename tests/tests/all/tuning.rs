@@ -366,3 +366,34 @@ fn nothing_that_a_block_remembers_is_lost() {
     assert!(wrong.is_empty(), "{} models, {agreed} agreed:\n{}", wrong.len(), wrong.join("\n"));
     assert!(agreed > 250, "only {agreed} models");
 }
+
+/// Where a sample hit, a reset and a change meet, what was before them is recorded there and not at the end of the next step.
+#[test]
+fn what_was_before_a_change_at_a_hit_is_recorded_at_the_change() {
+    for solver in ["Ode15s(rtol: 1e-4)", "Ode45(rtol: 1e-4)", "Rodas4(rtol: 1e-4)", "Ode4(step: \"10 ms\")"] {
+        let text = |k: u32| {
+            format!(
+                r#"Diagram(simulation: (stop_time: "1 s", solver: {solver}), blocks: {{
+                    "one": Constant(value: 1), "g": Gain(k: {k}), "i": Integrator, "z": ZeroOrderHold(ts: "0.1 s"),
+                    "above": Compare(operator: Greater, constant: 1.5), "hold": Integrator(reset: Rising),
+                    "s": Scope(inputs: ["i", "z", "hold"]) }},
+                   connections: ["one.y -> g.u, hold.u", "g.y -> i.u, z.u, above.u", "above.y -> hold.reset", "i.y -> s.i", "z.y -> s.z",
+                    "hold.y -> s.hold"])"#
+            )
+        };
+        let (rows, t) = tuned(&text(1), &text(3), 0.5);
+        assert!((t - 0.5).abs() < 1e-12, "{solver}: the change is at a hit");
+        for (at, values) in rows.iter().filter(|(at, _)| *at > t) {
+            let expected = [t + 3.0 * (at - t), 3.0, at - t];
+            let worst = values.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-9, "{solver}: {values:?} at {at} s");
+        }
+        let at_change = rows.iter().filter(|(at, _)| *at == t).map(|(_, values)| values.clone());
+        let near = |a: &[f64], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
+        let at_change: Vec<_> = at_change.collect();
+        assert!(
+            near(&at_change[0], [t, 1.0, t]) && near(at_change.last().unwrap(), [t, 3.0, 0.0]),
+            "{at_change:?}"
+        );
+    }
+}

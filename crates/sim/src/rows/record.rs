@@ -100,6 +100,11 @@ impl Rows {
         self.is_before_known
     }
 
+    /// Forgets the row before, where it is not to be recorded.
+    pub fn forget_before(&mut self) {
+        self.is_before_known = false;
+    }
+
     /// The row just before this instant, once, if a value has jumped since; at a sample hit one that is not held, since
     /// of the others one row tells enough. What a kink changes by rounding is no jump.
     pub fn jumped_from(&mut self) -> Option<&[f64]> {

@@ -93,6 +93,7 @@ impl Simulation {
         self.diagram.settle.changed = false;
         self.diagram.hold_steps();
         let reset = self.jump_early(false, observer)?;
+        self.rows.forget_before();
         self.pass(false)?;
         let jumped = self.jump(true, observer)?;
         self.guards.known = false;
@@ -113,6 +114,7 @@ impl Simulation {
         self.reach()?;
         self.diagram.hold_steps();
         self.jump_early(false, observer)?;
+        self.rows.forget_before();
         self.pass(true)?;
         self.jump(true, observer)?;
         self.diagram.hold_outputs();
