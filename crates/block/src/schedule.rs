@@ -145,7 +145,10 @@ pub struct Step {
     pub group: u32,
     /// When it must be evaluated.
     pub when: When,
-    /// Whether derivatives or watched guards depend on it: only then it is evaluated in minor steps.
+    /// Whether derivatives, watched guards or memories depend on it at the same instant, and not by way of what is held. What jumps at a
+    /// major step lets a solver begin anew only then.
+    pub acts: bool,
+    /// Whether it is evaluated in minor steps: it acts, and changes between major steps.
     pub minor: bool,
 }
 

@@ -90,7 +90,7 @@ fn placed<'s>(selected: &Selected<'s>, at: usize) -> Option<Placed<'s>> {
 fn derivatives(selected: &Selected, start: &Start) -> Option<(Draft, Vec<usize>)> {
     let with_states = selected.blocks.iter().filter(|at| !selected.block(**at).interface.states.is_empty());
     let mut joined = Joined::default();
-    for step in selected.steps.iter().filter(|step| step.when == When::Continuous && step.minor) {
+    for step in selected.steps.iter().filter(|step| step.minor) {
         if let Some(placed) = placed(selected, step.block as usize) {
             joined.call(placed, step.group as usize, false);
         }

@@ -132,6 +132,7 @@ fn alone(selected: &Selected, start: &Start, inputs: &[Vec<f64>]) -> Schedule {
                 block: blocks.len() as u32,
                 group: 0,
                 when: When::Sampled(own_rate as u32),
+                acts: true,
                 minor: false,
             });
             blocks.push(player.instance(port.cell, width, &port.signal, own_rate));

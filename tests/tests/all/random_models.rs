@@ -64,10 +64,11 @@ fn where_a_model_amplifies_errors_a_verification_says_so() {
         ("mechanisms 51832", 1e-3, verified::<Mechanisms>(51832)),
         ("mechanisms 61752", 1e-3, verified::<Mechanisms>(61752)),
         ("circuits 50751", 2e-4, verified::<Circuit>(50751)),
-        ("circuits 51453", 2e-4, verified::<Circuit>(51453)),
     ] {
         assert!(share > least, "{name}: {share:e}");
     }
+    // One that was among them is right since its method does not begin anew for what is only recorded.
+    assert!(matches!(Circuit::of(51453).judge(&Variant::plain()), Finding::Right));
     // Ordinary ones are not blamed.
     for seed in 1..9 {
         let shares = [verified::<Shafts>(seed), verified::<Signals>(seed)];

@@ -383,3 +383,38 @@ fn what_depends_on_nothing_that_moves_stays_at_zero() {
         }
     }
 }
+
+/// An oscillator of 10 rad/s beside a filter of a microsecond. What is sampled, or remembered from step to step, and only recorded bends
+/// nothing: a method of many steps goes on.
+#[test]
+fn what_is_only_recorded_does_not_let_a_method_begin_anew() {
+    let run = |solver: &str, beside: &str| {
+        let (block, wires, input) = match beside {
+            "" => (String::new(), "", ""),
+            kind => (
+                format!(r#""sine": Sine(frequency: "0.5 Hz"), "beside": {kind},"#),
+                r#", "sine.y -> beside.u", "beside.y -> show.z""#,
+                r#", "z""#,
+            ),
+        };
+        run_text(&format!(
+            r#"Diagram(simulation: (stop_time: "10 s", solver: {solver}), blocks: {{ {block}
+                "system": OdeSystem(law: "x' = v; v' = -100*x - 0.1*v; w' = -1e6*(w - x)", start: {{"x": 1}}), "show": Scope(inputs: ["x"{input}]) }},
+               connections: ["system.x -> show.x"{wires}])"#
+        ))
+    };
+    let damped = (100.0 - 0.0025_f64).sqrt();
+    let expected = (-0.5_f64).exp() * ((10.0 * damped).cos() + 0.05 / damped * (10.0 * damped).sin());
+    for solver in ["Auto(rtol: 1e-6)", "Ode15s(rtol: 1e-6)"] {
+        let alone = run(solver, "");
+        let error = |run: &Run| (run.last("show.x") - expected).abs();
+        assert!(error(&alone) < 3e-4, "{}", error(&alone));
+        let memory = run(solver, "Memory");
+        assert_eq!(memory.counts.accepted, alone.counts.accepted);
+        assert_eq!(memory.last("show.x"), alone.last("show.x"));
+        // A hit ends a step, which costs steps and no exactness.
+        let sampled = run(solver, r#"ZeroOrderHold(ts: "20 ms")"#);
+        assert!(error(&sampled) < 5e-4, "{}", error(&sampled));
+        assert!(sampled.counts.accepted < 4000, "{}", sampled.counts.accepted);
+    }
+}

@@ -8,7 +8,7 @@ use blocksim_signal::Kind;
 use foldhash::{HashMap, HashSet};
 
 use super::order::{Group, Order, Sorted};
-use super::when::{needed_in_minor_steps, watched};
+use super::when::{acting, watched};
 use crate::flatten::Source;
 
 /// The schedule, but for names, places and interfaces, see [`hand_over`](super::hand_over).
@@ -23,7 +23,7 @@ pub(super) fn lay_out(
 ) -> Schedule {
     let (flat, typed) = (order.flat, order.typed);
     let watched = watched(order, when, rates);
-    let needed = needed_in_minor_steps(order, when, &watched);
+    let acting = acting(order, when, &watched);
 
     let mut signals = Vec::with_capacity(flat.blocks.len());
     let mut first_signal = Vec::with_capacity(flat.blocks.len());
@@ -124,11 +124,11 @@ pub(super) fn lay_out(
     let steps = sorted
         .groups
         .iter()
-        .map(|(block, group)| Step {
-            block: *block as u32,
-            group: *group as u32,
-            when: when[order.number((*block, *group))],
-            minor: needed[order.number((*block, *group))],
+        .map(|(block, group)| {
+            let number = order.number((*block, *group));
+            let (when, acts) = (when[number], acting[number]);
+            let minor = acts && when == When::Continuous;
+            Step { block: *block as u32, group: *group as u32, when, acts, minor }
         })
         .collect();
     let numbered = sorted.groups.iter().enumerate().filter(|_| !sorted.rings.is_empty());

@@ -136,7 +136,7 @@ mod tests {
         // Without its guard nobody would need the gain: the sampled block hides it.
         let (schedule, _) = scheduled(flat(&blocks.replace("\"moving\": Limit", "\"moving\": Gain"), wires));
         let schedule = schedule.expect("a schedule");
-        let steps = schedule.steps.iter().filter(|step| step.minor && step.when == When::Continuous);
+        let steps = schedule.steps.iter().filter(|step| step.minor);
         let minor: Vec<&str> = steps.map(|step| schedule.blocks[step.block as usize].path.as_str()).collect();
         assert_eq!(minor, Vec::<&str>::new());
     }

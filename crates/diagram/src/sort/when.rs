@@ -104,9 +104,10 @@ fn sources<'a>(order: &'a Order, block: usize) -> impl Iterator<Item = Group> + 
     connected.flat_map(|source| order.writers(source.block, source.output))
 }
 
-/// Which groups, by their numbers, change between major steps while derivatives, guards or memories depend on them.
-pub(super) fn needed_in_minor_steps(order: &Order, when: &[When], watched: &[bool]) -> Vec<bool> {
-    let mut needed = vec![false; order.graph.node_count()];
+/// Which groups, by their numbers, derivatives, guards or memories depend on at the same instant. What they read that is held between major
+/// steps is among them, what that was made of is not.
+pub(super) fn acting(order: &Order, when: &[When], watched: &[bool]) -> Vec<bool> {
+    let mut acting = vec![false; order.graph.node_count()];
     let mut stack: Vec<Group> = Vec::new();
     for (block, interface) in order.typed.interfaces.iter().enumerate() {
         match &order.laws.blocks[block].law {
@@ -125,12 +126,12 @@ pub(super) fn needed_in_minor_steps(order: &Order, when: &[When], watched: &[boo
     while let Some(next) = stack.pop() {
         // What is held between major steps hides what it was made of.
         let number = order.number(next);
-        if when[number] == When::Continuous && !std::mem::replace(&mut needed[number], true) {
+        if !std::mem::replace(&mut acting[number], true) && when[number] == When::Continuous {
             stack.extend(order.read(next));
             let constraint = order.typed.interfaces[next.0].constraint.as_ref();
             let rest = constraint.filter(|constraint| constraint.group == next.1);
             stack.extend(rest.map(|constraint| (next.0, constraint.rest)));
         }
     }
-    needed
+    acting
 }

@@ -158,11 +158,14 @@ impl Diagram {
         Ok(())
     }
 
-    /// Tells the blocks that want to know that a step was accepted. Returns whether another law holds from here for any.
+    /// Tells the blocks that want to know that a step was accepted. Returns whether another law holds from here for any on which
+    /// derivatives, guards or memories depend.
     pub fn accept(&mut self) -> Result<bool, Failed> {
         let mut changed = false;
         for i in 0..self.plan.accepting.len() {
-            self.change(self.plan.accepting[i], |block, c, _, d| changed |= block.accept(c, d))?;
+            let block = self.plan.accepting[i];
+            let acts = self.plan.acting[block];
+            self.change(block, |block, c, _, d| changed |= block.accept(c, d) && acts)?;
         }
         if !self.plan.accepting.is_empty() {
             self.forget();

@@ -5,7 +5,8 @@ use blocksim_block::schedule::{Schedule, When};
 use crate::evaluation::evaluate::Diagram;
 use crate::program::spread::written;
 
-/// Outputs that are evaluated at major steps alone, and what they were before the present one.
+/// Outputs that are evaluated at major steps alone and on which derivatives, guards or memories depend, and what they were before the
+/// present one.
 #[derive(Default)]
 pub(crate) struct Stepwise {
     cells: Vec<usize>,
@@ -14,7 +15,7 @@ pub(crate) struct Stepwise {
 
 impl Stepwise {
     pub fn new(schedule: &Schedule) -> Self {
-        let steps = schedule.steps.iter().filter(|step| step.when == When::Major);
+        let steps = schedule.steps.iter().filter(|step| step.when == When::Major && step.acts);
         let cells: Vec<usize> = steps.flat_map(|step| written(schedule, step)).collect();
         Self { before: vec![0.0; cells.len()], cells }
     }

@@ -4,7 +4,7 @@
 //! depends on the states of its block and on all of its inputs. What is held between major steps depends on nothing. A block
 //! counts as one: of a network, or of the elements of a vector, nobody knows more from here.
 
-use blocksim_block::schedule::{Instance, Schedule, When};
+use blocksim_block::schedule::{Instance, Schedule};
 use blocksim_solve::Failed;
 
 use crate::diagnose::{failed, state_names};
@@ -136,7 +136,7 @@ impl Diagram {
 }
 
 fn is_minor(schedule: &Schedule, step: usize) -> bool {
-    schedule.steps[step].minor && schedule.steps[step].when == When::Continuous
+    schedule.steps[step].minor
 }
 
 fn own_states(instance: &Instance) -> std::ops::Range<u32> {

@@ -158,6 +158,10 @@ pub(crate) struct Plan {
     pub subdividing: Vec<usize>,
     /// Whether anything happens at the hits of each rate.
     pub busy: Vec<bool>,
+    /// Whether derivatives, guards or memories depend on each block, or are its own.
+    pub acting: Vec<bool>,
+    /// Whether any block of each rate is such.
+    pub bending: Vec<bool>,
     /// Whether outputs change only, and then by jumps, at major steps.
     pub stepwise: bool,
     /// Whether each accepted step must be a major one.
@@ -204,6 +208,7 @@ impl Plan {
         };
         let has_steps = |i: usize| major.iter().any(|call| call.block as usize == i);
         let updated = updated(schedule);
+        let acting = acting(schedule);
         let continuous: Vec<Call> = between(false);
         let mut plan = Self {
             rows: rows(schedule, &continuous),
@@ -226,6 +231,8 @@ impl Plan {
             subdividing: chosen(&|b| b.interface.subdivides),
             timed: chosen(&|b| b.interface.time_events),
             busy: busy(schedule, &updated),
+            bending: bending(schedule, &acting),
+            acting,
             updated,
             stepwise: major.iter().any(|call| call.when == When::Major),
             every_step: false,
@@ -425,6 +432,28 @@ fn busy(schedule: &Schedule, updated: &[Updated]) -> Vec<bool> {
     }
     updated.iter().for_each(|updated| busy[updated.rate] = true);
     busy
+}
+
+fn acting(schedule: &Schedule) -> Vec<bool> {
+    let own = |block: &Instance| !block.interface.states.is_empty() || block.watched;
+    let mut acting: Vec<bool> = schedule.blocks.iter().map(own).collect();
+    schedule.steps.iter().filter(|step| step.acts).for_each(|step| acting[step.block as usize] = true);
+    acting
+}
+
+fn bending(schedule: &Schedule, acting: &[bool]) -> Vec<bool> {
+    let mut bending = vec![false; schedule.clock.rates.len()];
+    for (block, acts) in schedule.blocks.iter().zip(acting) {
+        if let Some(rate) = block.rate {
+            bending[rate] |= acts | block.interface.accepts;
+        }
+    }
+    for step in schedule.steps.iter().filter(|step| step.acts) {
+        if let When::Sampled(rate) = step.when {
+            bending[rate as usize] = true;
+        }
+    }
+    bending
 }
 
 fn widest(units: &[Unit]) -> (usize, usize) {

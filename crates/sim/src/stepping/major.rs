@@ -133,11 +133,11 @@ impl Simulation {
     /// Whether derivatives just behind this instant may differ from those just before it.
     fn is_discontinuous(&self) -> bool {
         let plan = &self.diagram.plan;
-        let mut rates = self.hits.due.iter().zip(&plan.busy);
+        let mut rates = self.hits.due.iter().zip(&plan.bending);
         self.diagram.settle.changed
             || self.diagram.has_stepped()
             || self.relearnt
-            || rates.any(|(&due, &busy)| due && busy)
+            || rates.any(|(&due, &bends)| due && bends)
     }
 
     /// Evaluates the whole diagram and takes the row.

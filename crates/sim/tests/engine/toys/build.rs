@@ -122,7 +122,7 @@ impl Toy {
                 _ => When::Continuous,
             };
             let minor = when == When::Continuous && !self.not_minor.contains(path);
-            Step { block: block as u32, group: group as u32, when, minor }
+            Step { block: block as u32, group: group as u32, when, acts: true, minor }
         });
         let steps: Vec<Step> = steps.collect();
         let held = |name: &str| {
