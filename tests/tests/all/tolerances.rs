@@ -1,5 +1,7 @@
 //! Absolute tolerances of single states, and automatic ones of states whose sizes lie far apart.
 
+use std::f64::consts::TAU;
+
 use blocksim_tests::{Run, compile_text, run_blocks, run_text};
 
 fn diagram(settings: &str, blocks: &str, connections: &str) -> String {
@@ -332,5 +334,34 @@ fn states_of_very_different_units_are_followed_without_a_word() {
         let plain = solve(method);
         assert_eq!(ignored(&plain), [""; 0], "{method}");
         assert!(off(&plain) < 1e-8, "{method}: {:e}", off(&plain));
+    }
+}
+
+/// Sample times end steps, and a filter behind a hold moves by a few time constants a step: lengths at which an error estimate may be
+/// zero by itself. Against the exact map from hit to hit, for time constants from far below a step to far above it.
+#[test]
+fn no_time_constant_behind_a_hold_hides_from_an_error_estimate() {
+    let methods =
+        ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "RosW3", "Ode23t", "Ode23tb"];
+    let wave = |k: f64| (TAU * 0.07 * k).sin();
+    let taus: Vec<f64> =
+        (0..56).map(|i| 0.004 * 10_f64.powf(f64::from(i) / 28.0)).chain([0.05, 0.1, 0.025]).collect();
+    for method in methods {
+        for &tau in &taus {
+            let run = run_text(&format!(
+                r#"Diagram(simulation: (stop_time: "3 s", solver: {method}(rtol: 1e-4), output: Every("0.1 s")), blocks: {{
+                    "wave": Sine(amplitude: 1, frequency: "0.7 Hz"), "hold": ZeroOrderHold(ts: "0.1 s"), "filter": LowPass(tau: "{tau} s"),
+                    "show": Scope(inputs: ["y"]) }},
+                   connections: ["wave.y -> hold.u", "hold.y -> filter.u", "filter.y -> show.y"])"#
+            ));
+            let decay = (-0.1 / tau).exp();
+            let mut exact = 0.0;
+            let mut worst = 0.0_f64;
+            for (k, y) in run.column("show.y").iter().enumerate() {
+                worst = worst.max((y - exact).abs());
+                exact = decay * exact + (1.0 - decay) * wave(k as f64);
+            }
+            assert!(worst < 6e-4, "{method}, {tau} s: {worst:.1e}");
+        }
     }
 }

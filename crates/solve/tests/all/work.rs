@@ -41,7 +41,7 @@ fn van_der_pol_with_mu_5() {
     );
     let steppers: [(&mut dyn Stepper, _); 4] = [
         (&mut ode45, (10718, 1631, 155)),
-        (&mut ode23, (25670, 8483, 73)),
+        (&mut ode23, (25940, 8577, 69)),
         (&mut rodas4, (35660, 3189, 116)),
         (&mut ros34pw2, (48697, 12105, 92)),
     ];
