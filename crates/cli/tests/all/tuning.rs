@@ -56,6 +56,8 @@ fn parameters_change_at_their_times_and_are_events() {
     assert_eq!(untouched.code, Some(0));
     assert!(untouched.err.contains("at 3 s, after the end of the run at 2 s"), "{}", untouched.err);
     assert!((last(&desk, "plain") - (-2.0_f64).exp()).abs() < 1e-8, "a change after the end has no effect");
+    let untouched = desk.call(&["run", "decay.ron", "--quiet", "--out", "end", "--change", "2s:k.k=5"]);
+    assert!(untouched.err.contains("at 2 s, at the end of the run at 2 s"), "{}", untouched.err);
 }
 
 /// A step at 0.8 s or 0.3 s comes out when the delay that holds then says so, even where that is at once or a second time.

@@ -25,10 +25,11 @@ use crate::terminal::console::Console;
 pub fn run(args: &RunArgs, console: Console) -> Outcome {
     let (setup, simulation) = prepare::prepare(args, console)?;
     let end = setup.schedule.settings.stop_time;
-    for (when, set) in args.change.iter().filter(|(when, _)| when.time() > end) {
+    for (when, set) in args.change.iter().filter(|(when, _)| when.time() >= end) {
+        let t = when.time();
+        let place = if t > end { "after" } else { "at" };
         console.say(&format!(
-            "note: `{set}` is to be set at {} s, after the end of the run at {end} s, and has no effect",
-            when.time()
+            "note: `{set}` is to be set at {t} s, {place} the end of the run at {end} s, and has no effect"
         ));
     }
     match args.live {
