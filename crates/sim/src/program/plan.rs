@@ -434,6 +434,7 @@ fn busy(schedule: &Schedule, updated: &[Updated]) -> Vec<bool> {
     busy
 }
 
+/// Which blocks have states or watched guards, or outputs on which derivatives, guards or memories depend.
 fn acting(schedule: &Schedule) -> Vec<bool> {
     let own = |block: &Instance| !block.interface.states.is_empty() || block.watched;
     let mut acting: Vec<bool> = schedule.blocks.iter().map(own).collect();
@@ -441,6 +442,7 @@ fn acting(schedule: &Schedule) -> Vec<bool> {
     acting
 }
 
+/// Rates at whose hits such a block is called, or one that takes note of accepted steps.
 fn bending(schedule: &Schedule, acting: &[bool]) -> Vec<bool> {
     let mut bending = vec![false; schedule.clock.rates.len()];
     for (block, acts) in schedule.blocks.iter().zip(acting) {
