@@ -13,7 +13,8 @@ use super::arm::{Arm, OfArm, OfAxes};
 /// The orientation is given by Euler angles about z, then the new y, then the new x. Of all solutions within the limits of
 /// the axes the one nearest to `near` comes out; connect the measured positions there, or the last set values. Six-axis
 /// arms with an ortho-parallel basis and a spherical wrist are solved in closed form; all others by damped least
-/// squares from `near` on, so the target should not be far from it.
+/// squares from `near` on, so the target should not be far from it. Where the closed form leaves an axis free (the wrist
+/// straight, or its centre on axis 1), that axis stays at `near`, and no other angle of it is looked for.
 ///
 /// Of an arm with a closed form `configuration` is the number of its up to eight solutions: shoulder front (1) or back
 /// (-1), elbow up (1) or down (-1), wrist plain (1) or flipped (-1). `shoulder`, `elbow` and `wrist` ask for one; the
