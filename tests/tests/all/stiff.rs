@@ -418,3 +418,73 @@ fn what_is_only_recorded_does_not_let_a_method_begin_anew() {
         assert!(sampled.counts.accepted < 4000, "{}", sampled.counts.accepted);
     }
 }
+
+/// Ways from a signal that changes at some instants alone to a derivative: behind each of them a method has to begin anew. Those that go
+/// on with the derivative, or the polynomial, of before are off by far more than their tolerance. The reference takes implicit steps,
+/// each by itself.
+#[test]
+fn what_jumps_acts_on_derivatives_by_every_way() {
+    let sources = [
+        (r#""z": ZeroOrderHold(ts: "0.1 s")"#, "wave.y -> z.u"),
+        (r#""z": UnitDelay(ts: "0.07 s")"#, "wave.y -> z.u"),
+        (r#""z": Relay(on_at: 0.5, off_at: -0.5)"#, "wave.y -> z.u"),
+        (r#""z": FirstOrderHold(ts: "0.1 s")"#, "wave.y -> z.u"),
+        (r#""h": ZeroOrderHold(ts: "0.1 s"), "z": Gain(k: 2)"#, r#"wave.y -> h.u", "h.y -> z.u"#),
+    ];
+    let ways = [
+        (r#""i": LowPass(tau: "0.08 s")"#, r#""z.y -> i.u", "i.y -> show.y""#),
+        (r#""i": OdeSystem(law: "x' = sin(3*x) + u")"#, r#""z.y -> i.u", "i.x -> show.y""#),
+        (
+            r#""sw": Switch(threshold: 0.1), "one": Sine(amplitude: 2, frequency: "0.3 Hz"), "two": Constant(value: -2), "i": LowPass(tau: "0.08 s")"#,
+            r#""z.y -> sw.control", "one.y -> sw.u1", "two.y -> sw.u3", "sw.y -> i.u", "i.y -> show.y""#,
+        ),
+        (
+            r#""d": TransportDelay(delay: "0.033 s"), "i": LowPass(tau: "0.08 s")"#,
+            r#""z.y -> d.u", "d.y -> i.u", "i.y -> show.y""#,
+        ),
+        (
+            r#""sum": Sum(signs: "+-"), "g": Gain(k: 0.5), "i": LowPass(tau: "0.08 s")"#,
+            r#""z.y -> sum.u1", "sum.y -> g.u, i.u", "g.y -> sum.u2", "i.y -> show.y""#,
+        ),
+        (
+            r#""volt": Gain(k: "1 V"), "v": ControlledVoltageSource, "r": Resistor(r: "1 ohm"), "l": Inductor(l: "0.1 H"),
+               "ground": ElectricalReference, "i": CurrentSensor"#,
+            r#""z.y -> volt.u", "volt.y -> v.v", "v.p <-> r.p", "r.n <-> l.p", "l.n <-> i.p", "i.n <-> v.n <-> ground.p", "i.i -> show.y""#,
+        ),
+        (
+            r#""torque": Gain(k: "1 N*m"), "source": IdealTorqueSource, "wheel": Inertia(j: 0.1), "damper": RotationalDamper(d: "0.1 N*m*s/rad"),
+               "housing": RotationalReference, "i": MotionSensor"#,
+            r#""z.y -> torque.u", "torque.y -> source.tau", "source.r <-> wheel.r <-> damper.r <-> i.r",
+               "source.c <-> housing.r <-> damper.c <-> i.c", "i.w -> show.y""#,
+        ),
+    ];
+    for (source, wire) in sources {
+        for (blocks, wires) in ways {
+            let run = |solver: &str| {
+                run_text(&format!(
+                    r#"Diagram(simulation: (stop_time: "2 s", solver: {solver}, output: Every("0.05 s")), blocks: {{
+                        "wave": Sine(amplitude: 1, frequency: "0.7 Hz"), {source}, {blocks}, "show": Scope(inputs: ["y"]) }},
+                       connections: ["{wire}", {wires}])"#
+                ))
+            };
+            // Of two rows of one time the last.
+            let last = |run: &Run| -> Vec<(f64, f64)> {
+                let rows = run.time.iter().copied().zip(run.column("show.y").iter().copied());
+                let mut kept: Vec<(f64, f64)> = Vec::new();
+                for row in rows.filter(|(t, _)| (20.0 * t - (20.0 * t).round()).abs() < 1e-9) {
+                    kept.pop_if(|before| row.0 - before.0 < 1e-9);
+                    kept.push(row);
+                }
+                kept
+            };
+            let reference = last(&run("Radau5(rtol: 1e-10)"));
+            for method in ["Ode45", "Ode23", "Dop853", "Ode15s", "Rodas4", "Ode23t"] {
+                let found = last(&run(&format!("{method}(rtol: 1e-7)")));
+                assert_eq!(found.len(), reference.len(), "{method} {source} {blocks}");
+                let errors = found.iter().zip(&reference).map(|(a, b)| (a.1 - b.1).abs());
+                let worst = errors.fold(0.0, f64::max);
+                assert!(worst < 3e-5, "{method} {source} {blocks}: {worst:.1e}");
+            }
+        }
+    }
+}

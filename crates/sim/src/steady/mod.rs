@@ -133,7 +133,7 @@ impl Simulation {
                 let path = &self.schedule.blocks[block].path;
                 let message = format!("no steady state was found: {differs}");
                 return Err(SimError::new("no_steady_state", self.t, message).at(path).help(
-                    "begin at given initial values, or put one part in the place of those that have one current or one voltage",
+                    "begin at given initial values; where parts have one current or one voltage in common, put one part in their place",
                 ));
             }
         }
