@@ -15,8 +15,7 @@ use super::mesh::Direction;
 /// move it.
 /// Efficiencies and bearing torques are given over the amount of the base's speed; between two rows they are
 /// interpolated, beyond the last they stay. The gear has no inertia; its housing stands still (an implied ground).
-/// An impact, which changes speeds within no time (`RigidStop`, a prescribed speed that jumps), passes the mesh without
-/// loss.
+/// An impact, which changes speeds within no time (`RotationalRigidStop`), passes the mesh without loss.
 ///
 /// Each row of `losses` holds the speed (rad/s), $\eta_{BF}$, $\eta_{FB}$, $\tau_{BF}$ and $\tau_{FB}$ (N*m).
 ///
