@@ -1,7 +1,7 @@
 use blocksim_block::prelude::*;
 use blocksim_multibody::{EulerZyx, Model, Placement};
 use blocksim_robotics::kinematics::{
-    Configuration, Constraint, Elbow, JointRange, Options, Shoulder, Solution, Solver, Status, Wrist,
+    Configuration, Constraint, Elbow, InverseError, JointRange, Options, Shoulder, Solver, Status, Wrist,
 };
 use blocksim_robotics::robot::Robot;
 
@@ -13,8 +13,8 @@ use super::arm::{Arm, OfArm, OfAxes};
 /// The orientation is given by Euler angles about z, then the new y, then the new x. Of all solutions within the limits of
 /// the axes the one nearest to `near` comes out; connect the measured positions there, or the last set values. Six-axis
 /// arms with an ortho-parallel basis and a spherical wrist are solved in closed form; all others by damped least
-/// squares from `near` on, so the target should not be far from it. Where the closed form leaves an axis free (the wrist
-/// straight, or its centre on axis 1), that axis stays at `near`, and no other angle of it is looked for.
+/// squares from `near` on, so the target should not be far from it. Where the closed form leaves an angle free (the wrist
+/// straight, or its centre on axis 1) the nearest to `near` is looked for among all its values.
 ///
 /// Of an arm with a closed form `configuration` is the number of its up to eight solutions: shoulder front (1) or back
 /// (-1), elbow up (1) or down (-1), wrist plain (1) or flipped (-1). `shoulder`, `elbow` and `wrist` ask for one; the
@@ -221,21 +221,14 @@ fn closed(
         return Err(Refusal::NotFound);
     };
     let in_world = robot.reference().placement * *target;
-    let solutions = closed_form.inverse(&in_world, near).map_err(|_| Refusal::OutOfReach)?;
-    let mut refusal = Refusal::OutsideLimits;
-    let mut best: Option<(f64, Solution)> = None;
-    for solution in solutions.within(ranges, near) {
-        let has = numbers(&solution.configuration);
-        if has.iter().zip(wish).any(|(has, wish)| wish != 0.0 && *has != wish) {
-            refusal = Refusal::OtherConfiguration;
-            continue;
-        }
-        let distance = solution.q.iter().zip(near).map(|(a, b)| (a - b) * (a - b)).sum();
-        if best.is_none_or(|(least, _)| distance < least) {
-            best = Some((distance, solution));
-        }
-    }
-    let (_, solution) = best.ok_or(refusal)?;
+    let is_wanted =
+        |has: &Configuration| numbers(has).iter().zip(wish).all(|(has, wish)| wish == 0.0 || *has == wish);
+    let solution =
+        closed_form.nearest_of(&in_world, near, ranges, is_wanted).map_err(|error| match error {
+            InverseError::OutsideRanges { .. } => Refusal::OutsideLimits,
+            InverseError::OtherConfiguration => Refusal::OtherConfiguration,
+            _ => Refusal::OutOfReach,
+        })?;
     q.copy_from_slice(&solution.q);
     Ok(numbers(&solution.configuration))
 }

@@ -3,13 +3,18 @@
 use crate::kinematics::error::InverseError;
 use crate::kinematics::ortho_parallel::OrthoParallel;
 use crate::kinematics::range::JointRange;
-use crate::kinematics::solution::{Solution, Solutions};
+use crate::kinematics::solution::{Configuration, Solution, Solutions};
 use blocksim_multibody::Placement;
+use std::f64::consts::TAU;
 
 /// How far a rotation may be from orthonormal.
 const ROTATION_TOLERANCE: f64 = 1e-6;
 /// Squares of distances that differ by less are the same, rad².
 const ROUNDING: f64 = 1e-15;
+/// Angles of a free axis that are tried to a turn.
+const TRIED: usize = 720;
+/// How often the neighbourhood of the best of them is divided: down to rounding.
+const DIVISIONS: usize = 24;
 
 /// Inverse kinematics in closed form of a six-axis arm of a [`Model`](blocksim_multibody::Model).
 ///
@@ -71,7 +76,7 @@ impl ClosedForm {
     }
 
     /// The joint positions within `ranges` that bring the end frame to `target` and are nearest to `near` (sum of
-    /// squares).
+    /// squares). Where an axis is free its angle is looked for, too: at every half degree, and from the best of these on to rounding.
     ///
     /// # Errors
     /// Those of [`ClosedForm::inverse`], [`InverseError::RangeCrossed`], [`InverseError::OutsideRanges`].
@@ -81,29 +86,92 @@ impl ClosedForm {
         near: &[f64; 6],
         ranges: &[JointRange; 6],
     ) -> Result<Solution, InverseError> {
+        self.nearest_of(target, near, ranges, |_| true)
+    }
+
+    /// As [`ClosedForm::nearest`], of the solutions that are wanted.
+    ///
+    /// # Errors
+    /// Those of [`ClosedForm::nearest`], [`InverseError::OtherConfiguration`].
+    pub fn nearest_of(
+        &self,
+        target: &Placement,
+        near: &[f64; 6],
+        ranges: &[JointRange; 6],
+        wanted: impl Fn(&Configuration) -> bool,
+    ) -> Result<Solution, InverseError> {
         if let Some(axis) = ranges.iter().position(|range| !range.is_sound()) {
             let JointRange { lower, upper } = ranges[axis];
             return Err(InverseError::RangeCrossed { axis, lower, upper });
         }
-        let solutions = self.inverse(target, near)?;
-        let mut best: Option<Solution> = None;
-        let mut miss = (0, f64::INFINITY);
+        let here = self.base.inverse() * *target * self.end.inverse();
+        let mut search = Search { near, ranges, wanted, best: None, miss: (0, f64::INFINITY), others: false };
+        search.look(&self.inverse(target, near)?);
+        for axis in self.geometry.free_axes(&here) {
+            search.along(axis, |from| self.geometry.inverse(&here, from).ok());
+        }
+        search.end()
+    }
+}
+
+/// The solution nearest to `near` among those that have been looked at.
+struct Search<'a, W> {
+    near: &'a [f64; 6],
+    ranges: &'a [JointRange; 6],
+    wanted: W,
+    best: Option<Solution>,
+    /// The axis that misses its range by the least, and by how much.
+    miss: (usize, f64),
+    /// Whether there are solutions within the ranges that are not wanted.
+    others: bool,
+}
+
+impl<W: Fn(&Configuration) -> bool> Search<'_, W> {
+    fn look(&mut self, solutions: &Solutions) {
         for solution in solutions.iter() {
-            let mut take = |found: Solution| {
-                if best.is_none_or(|best| found.distance(near) + ROUNDING < best.distance(near)) {
-                    best = Some(found);
-                }
-            };
-            match solution.turned(ranges, near) {
+            match solution.turned(self.ranges, self.near) {
+                Ok(_) if !(self.wanted)(&solution.configuration) => self.others = true,
                 Ok(turned) => {
-                    take(turned);
+                    self.take(turned);
                     // Not a rounding away from where the joints were.
-                    solution.shared(ranges, near).into_iter().for_each(take);
+                    solution.shared(self.ranges, self.near).into_iter().for_each(|shared| self.take(shared));
                 }
-                Err((axis, excess)) if excess < miss.1 => miss = (axis, excess),
+                Err((axis, excess)) if excess < self.miss.1 => self.miss = (axis, excess),
                 Err(_) => {}
             }
         }
-        best.ok_or(InverseError::OutsideRanges { axis: miss.0, excess: miss.1 })
+    }
+
+    fn take(&mut self, found: Solution) {
+        if self.best.is_none_or(|best| found.distance(self.near) + ROUNDING < best.distance(self.near)) {
+            self.best = Some(found);
+        }
+    }
+
+    /// Tries the angles of a free axis: one turn of them first, then ever closer to the best.
+    fn along(&mut self, axis: usize, solve: impl Fn(&[f64; 6]) -> Option<Solutions>) {
+        let try_at = |search: &mut Self, angle: f64| {
+            let mut from = *search.near;
+            from[axis] = angle;
+            solve(&from).iter().for_each(|solutions| search.look(solutions));
+        };
+        let mut step = TAU / TRIED as f64;
+        (1..TRIED).for_each(|i| try_at(self, self.near[axis] + i as f64 * step));
+        for _ in 0..DIVISIONS {
+            let Some(best) = self.best else { return };
+            step /= 4.0;
+            (1..=4).for_each(|i| {
+                try_at(self, best.q[axis] - f64::from(i) * step);
+                try_at(self, best.q[axis] + f64::from(i) * step);
+            });
+        }
+    }
+
+    fn end(self) -> Result<Solution, InverseError> {
+        let (axis, excess) = self.miss;
+        match self.others {
+            true => self.best.ok_or(InverseError::OtherConfiguration),
+            false => self.best.ok_or(InverseError::OutsideRanges { axis, excess }),
+        }
     }
 }

@@ -107,6 +107,8 @@ pub enum InverseError {
         /// By how much it leaves its range, rad.
         excess: f64,
     },
+    /// The arm reaches the target within the ranges of its joints, but in none of the configurations that are wanted.
+    OtherConfiguration,
 }
 
 impl fmt::Display for InverseError {
@@ -140,6 +142,12 @@ impl fmt::Display for InverseError {
                 axis + 1,
                 excess.to_degrees()
             ),
+            InverseError::OtherConfiguration => {
+                write!(
+                    f,
+                    "the arm reaches the target only in another configuration; leave shoulder, elbow or wrist free"
+                )
+            }
         }
     }
 }

@@ -109,6 +109,17 @@ impl OrthoParallel {
         }
     }
 
+    /// Axes whose angle `target` leaves free, but for those of the wrist: the wrist centre lies on axis 1, or (where upper arm and forearm
+    /// are equally long) on axis 2.
+    pub(crate) fn free_axes(&self, target: &Placement) -> impl Iterator<Item = usize> {
+        let c = target.translation - target.rotation.column(2) * self.c4;
+        let radius = c.x.hypot(c.y);
+        let rho = ((radius - self.b.abs()) * (radius + self.b.abs())).max(0.0).sqrt();
+        let is_on_second = |side: f64| (side * rho - self.a1).hypot(c.z - self.c1) < SINGULAR;
+        let free = [radius < SINGULAR, is_on_second(1.0) || is_on_second(-1.0)];
+        (0..2).filter(move |axis| free[*axis])
+    }
+
     /// θ₂ and θ₃ that bring the wrist centre to (u, w) from axis 2, u ahead and w up, and whether both pairs are one;
     /// else by how much the arm is too short or too long.
     fn bend(&self, u: f64, w: f64, near: f64) -> Result<([(f64, f64); 2], bool), f64> {

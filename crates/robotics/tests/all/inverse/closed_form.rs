@@ -84,6 +84,47 @@ fn solutions_within_ranges_are_full_turns_of_all_solutions() -> Outcome {
     Ok(())
 }
 
+/// With the wrist centre on axis 1 its angle is free: the nearest solution within the ranges is compared with all of them at 2000 angles.
+#[test]
+fn a_free_first_axis_is_turned_to_the_nearest_solution() -> Outcome {
+    let (model, last) = irb2600()?;
+    let closed_form = ClosedForm::of(&model, &Frame::of(last))?;
+    let (mut ranges, mut random) = (ranges(), Random(4));
+    // A hand that turns as far as a man's.
+    ranges[3..].fill(JointRange { lower: -1.2, upper: 1.2 });
+    let (mut refused_there, mut in_vain) = (0, 0);
+    for _ in 0..100 {
+        let near = random.pose(&ranges);
+        let rotation = closed_form.forward(&random.pose(&ranges)).rotation;
+        let centre = Vector3::new(0.0, 0.0, 0.445 + 0.8 + 0.1 * near[0].sin());
+        let hand = closed_form.geometry.c4 * (rotation * closed_form.end.rotation.transpose()).column(2);
+        let target = Placement { rotation, translation: centre + hand };
+        let (mut least, mut there) = (f64::INFINITY, false);
+        for i in 0..2000 {
+            let mut from = near;
+            from[0] += TAU * f64::from(i) / 2000.0;
+            for solution in closed_form.inverse(&target, &from)?.within(&ranges, &near) {
+                there |= i == 0;
+                let distance: f64 = solution.q.iter().zip(&near).map(|(a, b)| (a - b).powi(2)).sum();
+                least = least.min(distance);
+            }
+        }
+        refused_there += i32::from(!there);
+        if least.is_infinite() {
+            in_vain += 1;
+            continue;
+        }
+        let found = closed_form.nearest(&target, &near, &ranges)?;
+        assert!(found.singular.shoulder);
+        assert!(apart(&closed_form.forward(&found.q), &target) < 1e-9, "{found:?}");
+        assert!(found.q.iter().zip(&ranges).all(|(q, range)| range.excess(*q) == 0.0), "{found:?}");
+        let distance: f64 = found.q.iter().zip(&near).map(|(a, b)| (a - b).powi(2)).sum();
+        assert!(distance < least + 1e-9 && distance > least - 0.05, "{distance} {least}");
+    }
+    assert!(refused_there > 5 && in_vain < 95, "{refused_there} {in_vain}");
+    Ok(())
+}
+
 #[test]
 fn a_target_out_of_reach_is_told_with_its_distance() -> Outcome {
     let (model, last) = irb2600()?;
