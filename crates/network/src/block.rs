@@ -61,6 +61,9 @@ impl Block for Network {
         let Some(w) = w.get::<Work>() else { return };
         self.motion_phase(c, w);
         self.position_rates(self.positions(c), &w.joint_speed, &mut dx[..self.positions]);
+        if c.d[self.seeks] > 0.0 {
+            self.keep_length(self.positions(c), &mut dx[..self.positions]);
+        }
         dx[self.positions..self.positions + self.rotation.free].copy_from_slice(&w.dv);
         for seat in self.active.states.iter().map(|i| &self.seats[*i]) {
             if let Some(component) = seat.component() {

@@ -618,6 +618,76 @@ fn closed_loops_with_ball_joints_are_closed_at_rest() {
     }
 }
 
+/// A body on a ball joint under its weight, at -0.2 m along its own z and `x` beside, whose base is tilted by 0.5 rad about x.
+fn hanging(x: f64, joint: &str) -> String {
+    format!(
+        r#"Diagram(
+            simulation: (stop_time: "0.1 s", start: Steady),
+            blocks: {{
+                "world": World, "tilt": Transform(rpy: [0.5, 0, 0]),
+                "ball": SphericalJoint({joint}),
+                "body": Body(mass: "1 kg", com: [{x}, 0, "-0.2 m"], moi: [0.02, 0.02, 0.01]),
+                "show": Scope(inputs: ["p", "w", "a"]),
+            }},
+            connections: [
+                "world.frame <-> tilt.base", "tilt.follower <-> ball.base", "ball.follower <-> body.frame",
+                "ball.p -> show.p", "ball.w -> show.w", "ball.a -> show.a",
+            ],
+        )"#
+    )
+}
+
+/// Four numbers keep an orientation, and only three of them are free: none is left undetermined but the turn about the vertical.
+#[test]
+fn a_body_on_a_ball_joint_hangs_straight_down_whatever_its_damping() {
+    for joint in [r#"damping: "0.05 N*m*s/rad""#, "", r#"rpy: ["20 deg", "-35 deg", "0 deg"]"#] {
+        let (simulation, rest) =
+            begun(&hanging(0.0, joint)).unwrap_or_else(|error| panic!("{joint}: {error}"));
+        let p: [f64; 4] = std::array::from_fn(|i| simulation.states()[i]);
+        near(p.iter().map(|p| p * p).sum::<f64>(), 1.0, 1e-12);
+        // Its own z is up: of the tilt about x and the quaternion one after the other.
+        let (s, c) = 0.25_f64.sin_cos();
+        let [w, x, y, z] =
+            [c * p[0] - s * p[1], c * p[1] + s * p[0], c * p[2] - s * p[3], c * p[3] + s * p[2]];
+        near(w * w - x * x - y * y + z * z, 1.0, 1e-12);
+        assert!(!rest.undetermined.is_empty(), "{joint}");
+        assert!(rest.undetermined.iter().all(|name| name.starts_with("ball.p")), "{:?}", rest.undetermined);
+    }
+}
+
+/// A spring holds a body beside its centre: its moment is that of the weight.
+#[test]
+fn a_body_on_a_ball_joint_leans_as_far_as_its_spring_gives() {
+    let text = hanging(0.1, r#"stiffness: "2 N*m/rad", rpy: ["10 deg", "5 deg", "-20 deg"]"#);
+    let (simulation, rest) = begun(&text).expect("a rest");
+    assert!(rest.undetermined.is_empty(), "{:?}", rest.undetermined);
+    let p: [f64; 4] = std::array::from_fn(|i| simulation.states()[i]);
+    let half = (1.0 - p[0] * p[0]).sqrt();
+    let angle = 2.0 * half.atan2(p[0]);
+    let turn: [f64; 3] = std::array::from_fn(|i| angle * p[i + 1] / half);
+    // In axes of the base: where the centre is, and which way the weight pulls.
+    let along = |v: [f64; 3]| -> [f64; 3] {
+        let n = [p[1] / half, p[2] / half, p[3] / half];
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
+        let dot: f64 = (0..3).map(|i| n[i] * v[i]).sum();
+        let beside = cross(n, v);
+        std::array::from_fn(|i| {
+            v[i] * angle.cos() + beside[i] * angle.sin() + n[i] * dot * (1.0 - angle.cos())
+        })
+    };
+    let centre = along([0.1, 0.0, -0.2]);
+    let (s, c) = 0.5_f64.sin_cos();
+    let weight = [0.0, -9.806_65 * s, -9.806_65 * c];
+    let moment = [
+        centre[1] * weight[2] - centre[2] * weight[1],
+        centre[2] * weight[0] - centre[0] * weight[2],
+        centre[0] * weight[1] - centre[1] * weight[0],
+    ];
+    (0..3).for_each(|i| near(2.0 * turn[i], moment[i], 1e-8));
+}
+
 /// A mass of 2 kg under 10 N towards an end of travel at zero, 0.3 m away: it lies there, and so says who measures it.
 #[test]
 fn ends_of_travel_are_reached_but_not_passed() {

@@ -90,6 +90,15 @@ impl Network {
         }
     }
 
+    /// Draws orientations to length 1 in a search for rest, where nothing else says how long they are.
+    pub(crate) fn keep_length(&self, q: &[f64], dq: &mut [f64]) {
+        for ball in &self.frames.balls {
+            let p = four(q, ball.position);
+            let excess = p.iter().map(|e| e * e).sum::<f64>() - 1.0;
+            (0..4).for_each(|k| dq[ball.position + k] -= excess * p[k]);
+        }
+    }
+
     /// Derivatives of the positions.
     pub(crate) fn position_rates(&self, q: &[f64], speed: &[f64], dq: &mut [f64]) {
         match &self.frames.model {

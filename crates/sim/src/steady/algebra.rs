@@ -7,6 +7,9 @@ use blocksim_linear::DMatrix;
 /// Directions that move the equations by less than this part are left alone.
 pub(super) const RANK: f64 = 1e-11;
 
+/// Part of the largest effect on an equation below which another one is rounding: a tenth of that of a number.
+const UNFELT: f64 = 1e-17;
+
 /// Unknowns above which a factorisation is tried that is quick but tells nothing of singular systems.
 pub(super) const LARGE: usize = 60;
 
@@ -28,6 +31,7 @@ impl Scaled {
         for (mut row, scale) in matrix.row_iter_mut().zip(&mut rows) {
             *scale = inverse(row.amax());
             row.scale_mut(*scale);
+            row.apply(|slope| *slope = if slope.abs() < UNFELT { 0.0 } else { *slope });
         }
         for (mut column, scale) in matrix.column_iter_mut().zip(&mut columns) {
             let factor = inverse(column.amax());
@@ -53,13 +57,39 @@ pub(super) fn least(matrix: DMatrix<f64>, right: &[f64], sizes: &[f64]) -> Optio
     let solution = match regular(&matrix, &right) {
         Some(solution) => solution,
         None => {
-            let parts = matrix.try_svd(true, true, f64::EPSILON, 10_000)?;
-            let border = RANK * parts.singular_values.max();
-            parts.solve(&right, border).ok()?
+            let stretch: Vec<f64> = columns.iter().zip(sizes).map(|(column, size)| column / size).collect();
+            singular(matrix, right, &stretch)?
         }
     };
     let step: Vec<f64> = solution.iter().zip(&columns).map(|(step, size)| step * size).collect();
     step.iter().all(|step| step.is_finite()).then_some(step)
+}
+
+/// The solution of a system that may be singular; of several the one that is shortest where each unknown is measured by `stretch`.
+fn singular(matrix: DMatrix<f64>, right: DMatrix<f64>, stretch: &[f64]) -> Option<DMatrix<f64>> {
+    let (rows, unknowns) = matrix.shape();
+    let missing = unknowns.saturating_sub(rows);
+    let (matrix, right) = (matrix.insert_rows(rows, missing, 0.0), right.insert_rows(rows, missing, 0.0));
+    let is_idle: Vec<bool> = matrix.column_iter().map(|column| column.amax() == 0.0).collect();
+    let parts = matrix.try_svd(true, true, f64::EPSILON, 10_000)?;
+    let border = RANK * parts.singular_values.max();
+    let mut found = parts.solve(&right, border).ok()?;
+    let is_free = |direction: &usize| parts.singular_values[*direction] <= border;
+    let free: Vec<usize> = (0..unknowns).filter(is_free).collect();
+    let free = parts.v_t?.select_rows(&free).transpose();
+    if !free.is_empty() {
+        let stretched = |mut values: DMatrix<f64>| {
+            values.row_iter_mut().zip(stretch).for_each(|(mut row, stretch)| row.scale_mut(*stretch));
+            values
+        };
+        let along = stretched(free.clone()).try_svd(true, true, f64::EPSILON, 10_000)?;
+        let border = RANK * along.singular_values.max();
+        let share = along.solve(&stretched(found.clone()), border).ok()?;
+        found -= free * share;
+    }
+    // What nothing depends on stays exactly where it is.
+    found.iter_mut().zip(&is_idle).for_each(|(step, is_idle)| *step = if *is_idle { 0.0 } else { *step });
+    Some(found)
 }
 
 /// The solution of a large system that is clearly regular.
@@ -185,6 +215,21 @@ mod tests {
         assert_eq!(undetermined(matrix, &[1.0; 3]), [true, true, true]);
         let one = DMatrix::from_row_slice(1, 2, &[1e-9, 0.0]);
         assert_eq!(undetermined(one, &[1.0; 2]), [false, true]);
+    }
+
+    /// x0 + 1000 x1 = 2: both move by as much as its share of the equation, not each by half of the way.
+    #[test]
+    fn of_several_steps_the_one_that_is_shortest_by_sizes_is_taken() {
+        let matrix = DMatrix::from_row_slice(3, 3, &[1.0, 1e3, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+        let step = least(matrix.clone(), &[2.0, 3.0, 0.0], &[1.0; 3]).unwrap();
+        let share = 2.0 / (1.0 + 1e6);
+        assert!(
+            (step[0] / share - 1.0).abs() < 1e-9 && (step[1] / (1e3 * share) - 1.0).abs() < 1e-9,
+            "{step:?}"
+        );
+        assert!((step[2] - 3.0).abs() < 1e-12, "{step:?}");
+        let step = least(matrix, &[2.0, 3.0, 0.0], &[1e3, 1.0, 1.0]).unwrap();
+        assert!((step[0] - 1.0).abs() < 1e-9 && (step[1] - 1e-3).abs() < 1e-12, "{step:?}");
     }
 
     #[test]
