@@ -232,6 +232,20 @@ impl Delayed {
         Ok(crate::static_gain(&without.channel(0, 0), &poles))
     }
 
+    /// What `|1 / (1 + L)|` goes to at high frequencies, or comes back to again and again where one dead time passes at once what goes in.
+    /// `None` where more of them do.
+    pub(crate) fn fast_sensitivity(&self) -> Option<f64> {
+        let d = &self.system.d;
+        let m = self.times.len();
+        if d.view((1, 1), (m, m)).iter().any(|d| *d != 0.0) {
+            return None;
+        }
+        let mut through = (1..=m).map(|i| (d[(0, i)] * d[(i, 0)]).abs()).filter(|d| *d != 0.0);
+        let first = through.next().unwrap_or(0.0);
+        let nearest = (1.0 + d[(0, 0)]).abs() - first;
+        (through.next().is_none() && nearest > 0.0).then(|| 1.0 / nearest)
+    }
+
     /// Frequencies, rad/s, that show everything that the system does, rising; so close that the phase of the longest dead time can be
     /// followed, up to where these would be too many.
     ///

@@ -10,6 +10,8 @@ use crate::{
 
 /// Halvings of an interval between two frequencies.
 const HALVINGS: usize = 60;
+/// Decades above the frequencies of poles and zeros in which a bandwidth is looked for.
+const BEYOND: i32 = 40;
 /// Part of the size of the fastest pole by which rounding moves one across the border of stability.
 const BORDER: f64 = 1e-14;
 
@@ -31,7 +33,8 @@ pub struct Margins {
     pub phase: Vec<Margin>,
     /// Delay that the loop may have besides, s; none if its gain is nowhere 1 or it is unstable anyway.
     pub delay: Option<Margin>,
-    /// The largest factor by which the loop amplifies disturbances at its output, `max |1 / (1 + L)|`.
+    /// The largest factor by which the loop amplifies disturbances at its output, `sup |1 / (1 + L)|`; at an infinite frequency where it
+    /// comes ever closer to it.
     pub sensitivity: Margin,
     /// Poles of the closed loop; nothing where a dead time makes infinitely many of them.
     pub closed: Vec<Complex<f64>>,
@@ -75,6 +78,7 @@ pub fn margins(channel: &Channel) -> Result<Margins, LinearError> {
         |w| response.at(w),
         &grid,
         rest,
+        channel.period.is_none().then(|| 1.0 / (1.0 + channel.d).abs()),
         channel.period,
         Closed { poles: closed, growing: None, stable },
     ))
@@ -93,7 +97,7 @@ pub fn margins_delayed(delayed: &Delayed) -> Result<Margins, LinearError> {
     let grid = delayed.frequencies()?;
     let rest = delayed.static_gain()?;
     let closed = Closed { poles: Vec::new(), stable: growing == Some(0), growing };
-    Ok(of_response(|w| delayed.at(w), &grid, rest, None, closed))
+    Ok(of_response(|w| delayed.at(w), &grid, rest, delayed.fast_sensitivity(), None, closed))
 }
 
 /// Whether rounding decides on which side of the border of stability a pole lies.
@@ -111,11 +115,12 @@ struct Closed {
     stable: bool,
 }
 
-/// The margins of a response, over frequencies between which nothing happens.
+/// The margins of a response, over frequencies between which nothing happens; `fast` is what the sensitivity goes to beyond them.
 fn of_response(
     at: impl Fn(f64) -> Complex<f64>,
     grid: &[f64],
     rest: Gain,
+    fast: Option<f64>,
     period: Option<f64>,
     closed: Closed,
 ) -> Margins {
@@ -156,7 +161,16 @@ fn of_response(
         frequency: margin.frequency,
     });
     let delay = delays.min_by(|a, b| a.value.total_cmp(&b.value)).filter(|_| closed.stable);
-    let sensitivity = peak(grid, |w| 1.0 / (1.0 + at(w)).norm());
+    let mut sensitivity = peak(grid, |w| 1.0 / (1.0 + at(w)).norm());
+    let slow = match rest {
+        Gain::Finite(rest) => Some(1.0 / (1.0 + rest).abs()),
+        Gain::Infinite => None,
+    };
+    for (limit, frequency) in [(slow, 0.0), (fast, f64::INFINITY)] {
+        if let Some(value) = limit.filter(|limit| *limit > sensitivity.value) {
+            sensitivity = Margin { value, frequency };
+        }
+    }
     let Closed { poles, growing, stable } = closed;
     Margins { gain, phase, delay, sensitivity, closed: poles, growing, stable }
 }
@@ -174,9 +188,16 @@ pub fn bandwidth(channel: &Channel) -> Result<Option<f64>, LinearError> {
         return Ok(None);
     }
     let zeros = zeros(channel)?.unwrap_or_default();
-    let grid = frequencies(&poles, &zeros, channel.period);
+    let mut grid = frequencies(&poles, &zeros, channel.period);
     let response = Response::new(channel);
-    Ok(lost(&grid, |w| response.at(w).norm() > border))
+    let passes = |w: f64| response.at(w).norm() > border;
+    // A zero among the poles carries it far beyond them.
+    if channel.period.is_none() && channel.d.abs() < border {
+        let beyond = (0..BEYOND).map(|k| grid[grid.len() - 1] * 10_f64.powi(k + 1));
+        let beyond: Vec<f64> = beyond.take_while(|w| passes(*w / 10.0)).collect();
+        grid.extend(beyond);
+    }
+    Ok(lost(&grid, passes))
 }
 
 /// The same of a system with dead times in it.
@@ -317,7 +338,30 @@ mod tests {
     }
 
     #[test]
+    fn a_sensitivity_may_be_largest_at_rest_or_come_ever_closer_to_its_bound() {
+        let of = |channel: Channel| margins(&channel).expect("margins").sensitivity;
+        // S = (s + 1) / (s + 2), (s + 1) / (s + 0.1), (s + 1) / (0.5 s + 1.2), and the first one sampled: (z - 0.5) / (z - 0.4).
+        assert_eq!(of(transfer(&[1.0], &[1.0, 1.0])), Margin { value: 1.0, frequency: f64::INFINITY });
+        let found = of(transfer(&[-0.9], &[1.0, 1.0]));
+        assert!((found.value - 10.0).abs() < 1e-12 && found.frequency == 0.0, "{found:?}");
+        let found = of(transfer(&[-0.5, 0.2], &[1.0, 1.0]));
+        assert!((found.value - 2.0).abs() < 1e-12 && found.frequency == f64::INFINITY, "{found:?}");
+        let sampled = Channel { period: Some(0.1), ..transfer(&[0.1], &[1.0, -0.5]) };
+        let found = of(sampled);
+        assert!(
+            (found.value - 1.5 / 1.4).abs() < 1e-6 && (found.frequency * 0.1 - PI).abs() < 1e-6,
+            "{found:?}"
+        );
+    }
+
+    #[test]
     fn bandwidth_is_where_three_decibels_are_lost() {
+        // |20 j w + 1|^2 = (1 + w^2)^2 / 2.
+        let exact = (399.0 + (399.0_f64.powi(2) + 1.0).sqrt()).sqrt();
+        near(bandwidth(&transfer(&[20.0, 1.0], &[1.0, 2.0, 1.0])).unwrap().unwrap(), exact);
+        // The same with a pole of 1e9 rad/s less far away; and what never loses them, as half of it passes at once.
+        near(bandwidth(&transfer(&[1e9, 1.0], &[1.0, 2.0, 1.0])).unwrap().unwrap(), 2.0_f64.sqrt() * 1e9);
+        assert_eq!(bandwidth(&transfer(&[0.8, 1.0], &[1.0, 1.0])), Ok(None));
         near(bandwidth(&transfer(&[10.0], &[1.0, 5.0])).unwrap().unwrap(), 5.0);
         assert_eq!(bandwidth(&transfer(&[1.0], &[1.0, 0.0])), Ok(None));
         let (w, z) = (7.0_f64, 0.3_f64);

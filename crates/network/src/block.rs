@@ -116,6 +116,7 @@ impl Block for Network {
         modes.copy_from_slice(d);
         let here = Context { x: &before, d: &modes, ..*c };
         self.motion_phase(&here, w);
+        self.note_late(&here, w);
         let booked = self.before_jump(&here, w, x, d);
         let met = self.loops_meet_sources() && self.meet_loops(&here, w, x);
         if met {
@@ -139,8 +140,9 @@ impl Block for Network {
         (w.before, w.modes) = (before, modes);
         let here = Context { x: &[], d: &[], ..*c };
         for island in &self.active.valves {
-            jumped |= self.take_gates(*island, &Context { x: &*x, ..here }, w, d);
-            jumped |= self.commutate((*island, jumped), &here, w, x, d);
+            let gated = self.take_gates(*island, &Context { x: &*x, ..here }, w, d);
+            jumped |= gated;
+            jumped |= self.commutate(*island, (jumped, gated), &here, w, x, d);
         }
         self.keep_guesses(w, d);
         self.after_jump(&here, jumped, w, x, d);

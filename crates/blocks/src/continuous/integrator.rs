@@ -11,7 +11,7 @@ use crate::math::Entries;
 /// The unit of the output is that of the input times s. No direct feedthrough, so it breaks an algebraic loop.
 ///
 /// With limits the output stays on a limit as long as the input pushes outwards, and leaves it when the input
-/// changes sign: nothing winds up. With `wrap` it jumps by the span when it leaves
+/// changes sign: nothing winds up, and nothing beyond a limit is ever given out. With `wrap` it jumps by the span when it leaves
 /// $[\mathrm{lower}, \mathrm{upper})$, as an angle does. With `reset` the extra input `reset` sets it back to
 /// `x0`; with `external: true` the value at a reset comes from the extra input `x0`, and so does the value at the
 /// start unless the parameter `x0` gives it. Reaching a limit, leaving it, wrapping and resetting are events.
@@ -198,7 +198,14 @@ impl Block for Integrator {
 
     fn law(&self, l: &Recording) -> bool {
         let n = l.width(0);
-        l.each(0, |i| l.x()[i]);
+        // Up to the event at a limit the state goes on, by a rounding or, within a step that is only tried, by more; what a root or a
+        // logarithm behind it is given does not.
+        l.each(0, |i| {
+            let x = l.x()[i];
+            let [lower, upper] = [self.lower, self.upper].map(|limit| limit.map(|limit| l.constant(limit)));
+            let x = upper.map_or(x, |upper| x.live(Relation::Greater, upper).select(upper, x));
+            lower.map_or(x, |lower| x.live(Relation::Less, lower).select(lower, x))
+        });
         if !self.jumps() {
             (0..n).for_each(|i| l.derive(i, l.element(0, i)));
             return true;

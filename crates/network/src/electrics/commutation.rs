@@ -51,11 +51,23 @@ pub(crate) enum Wrong {
 }
 
 impl Network {
-    /// Sets the valves of an island right; `stirred` where something else has changed at this instant. Returns whether any of
-    /// them, or a state, changed.
+    /// Notes how late events are: what valves carry backward that were to let go at zero.
+    pub(crate) fn note_late(&self, c: &Context, w: &mut Work) {
+        for island in &self.active.valves {
+            let conducting = self.conducting(*island, c, w) & self.natural_of(*island);
+            let valves = self.electrics.islands[*island].valves.iter().enumerate();
+            let conducting = valves.filter(|(bit, _)| conducting >> bit & 1 == 1);
+            let backward = conducting.map(|(_, valve)| -w.current[self.electrics.valves[*valve].two_pin]);
+            w.late[*island] = backward.filter(|current| *current > 0.0).sum();
+        }
+    }
+
+    /// Sets the valves of an island right; `stirred` where something else has changed at this instant, `gated` where a gate has. Returns
+    /// whether any of them, or a state, changed.
     pub(crate) fn commutate(
         &self,
-        (island, stirred): (usize, bool),
+        island: usize,
+        (stirred, gated): (bool, bool),
         c: &Context,
         w: &mut Work,
         x: &mut [f64],
@@ -71,8 +83,9 @@ impl Network {
         if w.drifted[island].0 != c.t {
             w.drifted[island] = (c.t, 0);
         }
-        // Currents at which valves have been let go of because they were negative.
-        let mut late = 0.0;
+        // Currents at which valves have been let go of because they were negative. What a gate leads backward through a valve has not come
+        // too late: it is interrupted.
+        let mut late = if gated { w.late[island] } else { 0.0 };
         let most = 8 * circuit.valves.len() + 8;
         for round in 0..most {
             let here = Context { x: &*x, d: &*d, ..*c };
@@ -93,7 +106,7 @@ impl Network {
                     return changed;
                 }
                 Wrong::Valve(bit, against) => {
-                    late += against;
+                    late += if gated { 0.0 } else { against };
                     self.trim(island, w, x);
                     self.turn_over(island, bit, d);
                     changed = true;

@@ -68,6 +68,8 @@ pub(crate) struct Work {
     pub gates: Vec<bool>,
     /// Per island: an instant, and the valves that have changed at it for what comes.
     pub drifted: Vec<(f64, Conducting)>,
+    /// Currents that valves of each island which conduct by themselves carried backward where a jump began, all together, A.
+    pub late: Vec<f64>,
     pub ahead: Ahead,
     pub float: FloatRoom,
     pub convert: Convert,
@@ -191,6 +193,7 @@ impl Work {
                 .collect(),
             gates: vec![false; network.electrics.valves.len()],
             drifted: vec![(f64::NAN, 0); network.electrics.islands.len()],
+            late: vec![0.0; network.electrics.islands.len()],
             ahead: Ahead::new(network),
             float: FloatRoom::new(&network.electrics),
             convert: Convert::new(&network.electrics),

@@ -95,6 +95,45 @@ fn the_diode_of_a_flyback_takes_over_what_the_switch_interrupts() {
     }
 }
 
+/// A switch opens, and the diodes beside the coil block its current: one the wrong way round that has conducted until then, two against each
+/// other, a bridge without a load, a bridge whose load would have to take the current at once. Nothing may end it without a word.
+#[test]
+fn a_current_that_diodes_cannot_take_over_does_not_vanish() {
+    let beside = [
+        (r#""d": Diode, "r": Resistor(r: "10 Ohm")"#, r#""l.p <-> d.p", "d.n <-> r.p", "r.n <-> l.n""#),
+        (r#""d1": Diode, "d2": Diode"#, r#""l.p <-> d1.n", "d1.p <-> d2.p", "d2.n <-> l.n""#),
+        (r#""d1": Diode, "d2": Diode"#, r#""l.p <-> d1.p", "d1.n <-> d2.n", "d2.p <-> l.n""#),
+        (
+            r#""d1": Diode, "d2": Diode, "d3": Diode, "d4": Diode"#,
+            r#""l.p <-> d1.p <-> d2.n", "l.n <-> d3.p <-> d4.n", "d1.n <-> d3.n", "d2.p <-> d4.p""#,
+        ),
+        (
+            r#""d1": Diode, "d2": Diode, "d3": Diode, "d4": Diode, "r": Resistor(r: "3 Ohm"), "l2": Inductor(l: "1 mH")"#,
+            r#""l.p <-> d1.p <-> d2.n", "l.n <-> d3.p <-> d4.n", "d1.n <-> d3.n <-> r.p", "r.n <-> l2.p", "l2.n <-> d2.p <-> d4.p""#,
+        ),
+    ];
+    for solver in METHODS
+        .map(|method| format!("{method}(rtol: 1e-8, atol: 1e-8)"))
+        .iter()
+        .map(String::as_str)
+        .chain([r#"Ode4(step: "10 us")"#])
+    {
+        for (blocks, connections) in beside {
+            let text = format!(
+                r#"Diagram(
+    simulation: (stop_time: "2 ms", solver: {solver}),
+    blocks: {{ "g": ElectricalReference, "u": VoltageSource(v: "10 V"), "p": Pulse(period: "10 ms", width: 0.1),
+               "c": Compare(operator: Greater, constant: 0.5), "k": IdealSwitch(r_on: "50 mOhm"), "l": Inductor(l: "1 mH"), {blocks}, "s": Scope }},
+    connections: ["p.y -> c.u", "c.y -> k.gate", "u.p <-> k.p", "k.n <-> l.p", "u.n <-> l.n <-> g.p", {connections}, "l.i -> s.u"],
+)"#
+            );
+            let error =
+                try_run(&text).err().unwrap_or_else(|| panic!("{solver}: {blocks}: ended")).to_string();
+            assert!(error.contains("interrupt the current of an inductance"), "{solver}: {blocks}: {error}");
+        }
+    }
+}
+
 /// Buck converter with so small a coil that its current ends in each period; output held by a source.
 #[test]
 fn a_buck_converter_rests_between_its_pulses() {

@@ -63,9 +63,12 @@ pub fn drawing(found: &Found, theme: Theme) -> String {
             if let Some((_, l)) = near {
                 lines.push(Line {
                     name: format!(
-                        "closest approach, {} at {} rad/s",
+                        "closest approach, {} at {}",
                         significant(1.0 / closest.value, 3),
-                        significant(closest.frequency, 3)
+                        match closest.frequency {
+                            f64::INFINITY => "high frequencies".to_owned(),
+                            frequency => format!("{} rad/s", significant(frequency, 3)),
+                        }
                     ),
                     colour: colour + 1,
                     courses: vec![vec![(-1.0, 0.0), (l.re, l.im)]],

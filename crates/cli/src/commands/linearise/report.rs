@@ -333,7 +333,13 @@ fn of_margins(facts: &mut Table, margins: &Margins, way: &Way) {
         facts.row(["delay margin", &at(delay, format!("{} s", significant(delay.value, 3)))]);
     }
     let peak = margins.sensitivity;
-    facts.row(["sensitivity", &at(peak, format!("up to {}", significant(peak.value, 4)))]);
+    let up_to = format!("up to {}", significant(peak.value, 4));
+    let sensitivity = match peak.frequency {
+        f64::INFINITY => format!("{up_to} at high frequencies"),
+        0.0 => format!("{up_to} at rest"),
+        _ => at(peak, up_to),
+    };
+    facts.row(["sensitivity", &sensitivity]);
     let closed = match margins.stable {
         true => way.unseen.map_or("stable".to_owned(), |pole| {
             format!(
