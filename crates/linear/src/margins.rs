@@ -77,8 +77,7 @@ pub fn margins(channel: &Channel) -> Result<Margins, LinearError> {
     Ok(of_response(
         |w| response.at(w),
         &grid,
-        rest,
-        channel.period.is_none().then(|| 1.0 / (1.0 + channel.d).abs()),
+        Ends { rest, through: channel.period.is_none().then_some(channel.d), fast: None },
         channel.period,
         Closed { poles: closed, growing: None, stable },
     ))
@@ -97,7 +96,8 @@ pub fn margins_delayed(delayed: &Delayed) -> Result<Margins, LinearError> {
     let grid = delayed.frequencies()?;
     let rest = delayed.static_gain()?;
     let closed = Closed { poles: Vec::new(), stable: growing == Some(0), growing };
-    Ok(of_response(|w| delayed.at(w), &grid, rest, delayed.fast_sensitivity(), None, closed))
+    let ends = Ends { rest, through: None, fast: delayed.fast_sensitivity() };
+    Ok(of_response(|w| delayed.at(w), &grid, ends, None, closed))
 }
 
 /// Whether rounding decides on which side of the border of stability a pole lies.
@@ -115,12 +115,20 @@ struct Closed {
     stable: bool,
 }
 
-/// The margins of a response, over frequencies between which nothing happens; `fast` is what the sensitivity goes to beyond them.
+/// What is known of a loop beyond the frequencies that are looked at.
+struct Ends {
+    rest: Gain,
+    /// Gain at an infinite frequency.
+    through: Option<f64>,
+    /// Largest sensitivity at high frequencies, where it does not follow from that.
+    fast: Option<f64>,
+}
+
+/// The margins of a response, over frequencies between which nothing happens.
 fn of_response(
     at: impl Fn(f64) -> Complex<f64>,
     grid: &[f64],
-    rest: Gain,
-    fast: Option<f64>,
+    Ends { rest, through, fast }: Ends,
     period: Option<f64>,
     closed: Closed,
 ) -> Margins {
@@ -156,16 +164,23 @@ fn of_response(
     {
         gain.push(Margin { value: -1.0 / last.re, frequency: PI / period });
     }
+    if let Some(through) = through.filter(|through| *through < 0.0) {
+        gain.push(Margin { value: -1.0 / through, frequency: f64::INFINITY });
+    }
     let delays = phase.iter().map(|margin: &Margin| Margin {
         value: margin.value.rem_euclid(TAU) / margin.frequency,
         frequency: margin.frequency,
     });
-    let delay = delays.min_by(|a, b| a.value.total_cmp(&b.value)).filter(|_| closed.stable);
+    // What comes back at once and undiminished grows by any delay.
+    let at_once = through.filter(|through| through.abs() >= 1.0);
+    let at_once = at_once.map(|_| Margin { value: 0.0, frequency: f64::INFINITY });
+    let delay = delays.chain(at_once).min_by(|a, b| a.value.total_cmp(&b.value)).filter(|_| closed.stable);
     let mut sensitivity = peak(grid, |w| 1.0 / (1.0 + at(w)).norm());
     let slow = match rest {
         Gain::Finite(rest) => Some(1.0 / (1.0 + rest).abs()),
         Gain::Infinite => None,
     };
+    let fast = fast.or(through.map(|through| 1.0 / (1.0 + through).abs()));
     for (limit, frequency) in [(slow, 0.0), (fast, f64::INFINITY)] {
         if let Some(value) = limit.filter(|limit| *limit > sensitivity.value) {
             sensitivity = Margin { value, frequency };
@@ -352,6 +367,22 @@ mod tests {
             (found.value - 1.5 / 1.4).abs() < 1e-6 && (found.frequency * 0.1 - PI).abs() < 1e-6,
             "{found:?}"
         );
+    }
+
+    /// `L = (1 - s / 2) / (s + 1)` closed by a gain g has its pole at `-(1 + g) / (1 - g / 2)`, `L = -(2 s + 3) / (s + 1)` at
+    /// `-(1 - 3 g) / (1 - 2 g)`, and `(2 s + 3) / (s + 1)` passes twice of what comes at once.
+    #[test]
+    fn what_passes_at_once_has_margins_at_an_infinite_frequency() {
+        let of = |channel: Channel| margins(&channel).expect("margins");
+        let found = of(transfer(&[-0.5, 1.0], &[1.0, 1.0]));
+        assert_eq!(found.least_gain(), Some(Margin { value: 2.0, frequency: f64::INFINITY }));
+        let found = of(transfer(&[-2.0, -3.0], &[1.0, 1.0]));
+        let gains: Vec<f64> = found.gain.iter().map(|margin| margin.value).collect();
+        assert!(found.stable && (gains[0] - 1.0 / 3.0).abs() < 1e-12 && gains[1] == 0.5, "{found:?}");
+        assert_eq!(found.delay, Some(Margin { value: 0.0, frequency: f64::INFINITY }));
+        let found = of(transfer(&[2.0, 3.0], &[1.0, 1.0]));
+        assert_eq!(found.delay, Some(Margin { value: 0.0, frequency: f64::INFINITY }));
+        assert_eq!(of(transfer(&[0.9, 3.0], &[1.0, 1.0])).delay.map(|delay| delay.value > 0.0), Some(true));
     }
 
     #[test]

@@ -313,7 +313,10 @@ fn worst(margins: &Margins, is_sampled: bool) -> Option<Complex<f64>> {
 fn of_margins(facts: &mut Table, margins: &Margins, way: &Way) {
     let is_sampled = way.period().is_some();
     let none = |what: &str| format!("infinite, the {what} is nowhere");
-    let at = |margin: Margin, value: String| format!("{value} at {}", frequency(margin.frequency));
+    let at = |margin: Margin, value: String| match margin.frequency {
+        f64::INFINITY => format!("{value} at high frequencies"),
+        known => format!("{value} at {}", frequency(known)),
+    };
     let gain = margins.least_gain().map_or(none("phase of -180 deg"), |margin| {
         at(
             margin,
@@ -334,12 +337,7 @@ fn of_margins(facts: &mut Table, margins: &Margins, way: &Way) {
     }
     let peak = margins.sensitivity;
     let up_to = format!("up to {}", significant(peak.value, 4));
-    let sensitivity = match peak.frequency {
-        f64::INFINITY => format!("{up_to} at high frequencies"),
-        0.0 => format!("{up_to} at rest"),
-        _ => at(peak, up_to),
-    };
-    facts.row(["sensitivity", &sensitivity]);
+    facts.row(["sensitivity", &at(peak, up_to)]);
     let closed = match margins.stable {
         true => way.unseen.map_or("stable".to_owned(), |pole| {
             format!(
