@@ -205,8 +205,42 @@ fn an_unknown_unit_names_what_may_be_meant() {
         assert_eq!(help(text), remedy, "{text}");
     }
     assert!(help("quux").starts_with("units are SI symbols"));
+    assert_eq!(help("degF"), "a temperature in degrees Fahrenheit is (value - 32) / 1.8 degC");
+    assert_eq!(help("mph"), "1 mph is 0.44704 m/s");
     let error = Unit::parse("N*quux").unwrap_err();
     assert_eq!((error.to_string().as_str(), error.span), ("unknown unit `quux`", 2..6));
+}
+
+/// What is put into a text is the same quantity with the same prefix; `None` where that is not sure.
+#[test]
+fn only_what_is_meant_beyond_doubt_replaces_an_unknown_unit() {
+    for (text, remedy) in [
+        ("kmh", Some("km/h")),
+        ("psi", Some("lbf/in^2")),
+        ("mm2", Some("mm^2")),
+        ("cm3", Some("cm^3")),
+        ("inlb", Some("in*lbf")),
+        ("mAs", Some("mA*s")),
+        ("Nms", Some("Nm*s")),
+        ("kNs", Some("kN*s")),
+        ("Pas", Some("Pa*s")),
+        ("KW", Some("kW")),
+        ("hz", Some("Hz")),
+        ("rads", Some("rad")),
+        ("rmp", Some("rpm")),
+        ("degF", None),
+        ("dBm", None),
+        ("gpm", None),
+        ("kp", None),
+        ("Mm", None),
+        ("mhz", None),
+        ("PA", None),
+        ("Nmm", None),
+        ("gW", None),
+        ("Vm", None),
+    ] {
+        assert_eq!(crate::unit_hint::remedy(text).as_deref(), remedy, "{text}");
+    }
 }
 
 #[test]
