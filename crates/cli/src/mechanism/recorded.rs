@@ -15,6 +15,28 @@ pub struct Movement {
     pub positions: Vec<Vec<f64>>,
 }
 
+impl Movement {
+    /// The part within a time, with its ends: between rows positions go straight. Empty where the movement does not reach it.
+    pub fn within(&self, [from, to]: [f64; 2]) -> Self {
+        let rows: Vec<usize> =
+            (0..self.time.len()).filter(|row| (from..=to).contains(&self.time[*row])).collect();
+        let at_end = |at: f64| {
+            let next = self.time.iter().position(|time| *time > at)?;
+            let before = next.checked_sub(1).filter(|before| self.time[*before] < at)?;
+            let part = (at - self.time[before]) / (self.time[next] - self.time[before]);
+            let between = |all: &Vec<f64>| all[before] + (all[next] - all[before]) * part;
+            let positions: Vec<f64> = self.positions.iter().map(between).collect();
+            positions.iter().all(|position| position.is_finite()).then_some((at, positions))
+        };
+        let row = |row: &usize| (self.time[*row], self.positions.iter().map(|all| all[*row]).collect());
+        let ends = [at_end(from), at_end(to).filter(|_| to > from)];
+        let [first, last] = ends;
+        let all: Vec<(f64, Vec<f64>)> = first.into_iter().chain(rows.iter().map(row)).chain(last).collect();
+        let positions = (0..self.positions.len()).map(|body| all.iter().map(|(_, at)| at[body]).collect());
+        Self { positions: positions.collect(), time: all.iter().map(|(time, _)| *time).collect() }
+    }
+}
+
 /// What the run says of its mechanism, as it stands in `scene.json`; `None` where it has none.
 ///
 /// # Errors

@@ -25,12 +25,10 @@ pub struct Found {
     pub every: usize,
 }
 
-/// Looks at the rows of a movement within a time, and between those that are far from each other: there, joints go straight
-/// from row to row.
-pub fn look(check: &Check, scene: &Scene, movement: &Movement, within: [f64; 2]) -> Found {
+/// Looks at the rows of a movement, and between those that are far from each other: there, joints go straight from row to row.
+pub fn look(check: &Check, scene: &Scene, movement: &Movement) -> Found {
     let known = |row: &usize| movement.positions.iter().all(|all| all[*row].is_finite());
-    let rows = (0..movement.time.len()).filter(|row| (within[0]..=within[1]).contains(&movement.time[*row]));
-    let (rows, lost): (Vec<usize>, Vec<usize>) = rows.partition(known);
+    let (rows, lost): (Vec<usize>, Vec<usize>) = (0..movement.time.len()).partition(known);
     let every = rows.len().saturating_mul(check.pairs()).div_ceil(MOST).max(1);
     let last = rows.last().copied().filter(|_| (rows.len() - 1) % every != 0);
     let at = |row: usize| -> Vec<f64> { movement.positions.iter().map(|all| all[row]).collect() };
@@ -84,10 +82,35 @@ mod tests {
 
     fn looked(around: &str, movement: &Movement) -> Found {
         let around = surroundings::tests::around(around);
-        look(&surroundings::check(&mast(), &around), &mast(), movement, [0.0, f64::INFINITY])
+        look(&surroundings::check(&mast(), &around), &mast(), movement)
     }
 
     const WALL: &str = r#"(kind: Text("box"), size: ["0.2 m", "1 m", "1 m"], centre: ["0.9 m", 0, "1 m"])"#;
+
+    /// The ball is at the wall from 0.7 s to 1.3 s, and a row stands at each half second: a window that ends between two rows, or lies
+    /// between them altogether, holds what happens in it.
+    #[test]
+    fn a_window_ends_where_it_is_said_to_end() {
+        let around = format!(r#"(things: [(name: Text("wall"), shapes: [{WALL}])])"#);
+        for (window, touches) in [
+            ([0.5, 0.69], None),
+            ([0.5, 0.9], Some([0.7, 0.9])),
+            ([0.8, 0.9], Some([0.8, 0.9])),
+            ([1.2, 2.0], Some([1.2, 1.3])),
+            ([1.2, 1.2], Some([1.2, 1.2])),
+            ([f64::NEG_INFINITY, 0.75], Some([0.7, 0.75])),
+        ] {
+            let movement = there_and_back(2).within(window);
+            assert!(movement.time.iter().all(|time| (window[0]..=window[1]).contains(time)), "{movement:?}");
+            let contacts = looked(&around, &movement).history.contacts;
+            let found = contacts.first().map(|contact| [contact.from, contact.to]);
+            let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() < 0.011 && (b - d).abs() < 0.011;
+            let is_right =
+                found.zip(touches).map_or(found == touches, |(found, touches)| near(found, touches));
+            assert!(is_right, "{window:?}: {found:?}");
+        }
+        assert_eq!(there_and_back(2).within([2.5, 3.0]).time, [] as [f64; 0]);
+    }
 
     #[test]
     fn a_contact_lasts_as_long_as_the_ball_is_at_the_wall() {

@@ -65,8 +65,8 @@ fn looked(args: &CollisionsArgs, console: Console) -> Result<Looked, Failure> {
     }
     let around = around(args, &folder, &run)?;
     let within = [args.from.unwrap_or(f64::NEG_INFINITY), args.to.unwrap_or(f64::INFINITY)];
-    let seen = || movement.time.iter().copied().filter(|time| (within[0]..=within[1]).contains(time));
-    let Some((first, last)) = seen().next().zip(seen().next_back()) else {
+    let seen = movement.within(within);
+    let (Some(first), Some(last)) = (seen.time.first(), seen.time.last()) else {
         let given = movement.time.first().zip(movement.time.last());
         let help = given.map_or("nothing of it moves".to_owned(), |(from, to)| {
             format!("it goes from {from} s to {to} s")
@@ -75,11 +75,11 @@ fn looked(args: &CollisionsArgs, console: Console) -> Result<Looked, Failure> {
     };
     let check = surroundings::check(&mechanism, &around);
     Ok(Looked {
-        found: look(&check, &mechanism, &movement, within),
+        found: look(&check, &mechanism, &seen),
         pairs: check.pairs(),
         left_out: check.left_out().to_vec(),
         meshes: check.unchecked().to_vec(),
-        span: [first, last],
+        span: [*first, *last],
     })
 }
 

@@ -42,7 +42,7 @@ pub fn read(
     let mut unlooked = Vec::new();
     if let Some(mechanism) = mechanism {
         let check = surroundings::check(&mechanism, around);
-        let found = look(&check, &mechanism, &movement, [f64::NEG_INFINITY, f64::INFINITY]);
+        let found = look(&check, &mechanism, &movement);
         contacts = found.history.contacts.into_iter().take(TOLD).map(contact).collect();
         unlooked = check.unchecked().to_vec();
     }
