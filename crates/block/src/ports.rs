@@ -60,6 +60,8 @@ pub struct Input {
     pub dimension: Option<Dimension>,
     /// Value of an input that is not connected; `None` means that it must be.
     pub default: Option<f64>,
+    /// The input of the same block whose derivative by time this one is. Where it is not connected, that one must not vary.
+    pub rate_of: Option<usize>,
     /// One sentence for the manual.
     pub doc: &'static str,
 }
@@ -72,7 +74,15 @@ impl Input {
 
     /// An input that takes everything.
     pub fn any(name: impl Into<String>) -> Self {
-        Self { name: name.into(), kind: None, shape: None, dimension: None, default: None, doc: "" }
+        Self {
+            name: name.into(),
+            kind: None,
+            shape: None,
+            dimension: None,
+            default: None,
+            rate_of: None,
+            doc: "",
+        }
     }
 
     /// A Bool input (a real one is refused).
@@ -103,6 +113,11 @@ impl Input {
     /// May stay unconnected and then has this value.
     pub fn default(self, value: f64) -> Self {
         Self { default: Some(value), ..self }
+    }
+
+    /// The derivative by time of another input, which does not vary if this one stays unconnected.
+    pub fn rate_of(self, input: usize) -> Self {
+        Self { rate_of: Some(input), ..self.default(0.0) }
     }
 
     /// One sentence for the manual.

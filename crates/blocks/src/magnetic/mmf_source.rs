@@ -4,7 +4,8 @@ use blocksim_block::prelude::*;
 use super::poles;
 
 /// Source of a magnetic potential difference that a signal commands, whatever flux that drives: an ideal winding with a current that
-/// is given, times its turns; or a permanent magnet, $V_m = H_c l$ in series with the reluctance of its volume.
+/// is given, times its turns; or a permanent magnet, $V_m = H_c l$ in series with the reluctance of its volume. An `EnergyAccount` cannot book
+/// what it supplies and refuses it.
 ///
 /// ```ron
 /// MmfSource

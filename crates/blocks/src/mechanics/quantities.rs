@@ -89,7 +89,7 @@ impl Quantities {
     pub(crate) fn speed_source(&self) -> Part {
         self.between(Element::SpeedSource { r: 0, c: 1 })
             .input(input(self.speed))
-            .input(input(self.rate).default(0.0))
+            .input(input(self.rate).rate_of(0))
             .output(output(self.drive), Needs::Motion)
     }
 

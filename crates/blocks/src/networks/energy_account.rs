@@ -16,7 +16,8 @@ use blocksim_block::prelude::*;
 /// energy turned over so far, the sum of all amounts by which energies have changed. Where it exceeds `tolerance` at a
 /// major step, the simulation ends with an error.
 ///
-/// A speed source whose input `dw` is not the derivative of its `w` moves masses without a torque; the error shows it.
+/// A speed source whose input `dw` is not the derivative of its `w` moves masses without a torque; the error shows it. An `MmfSource` is
+/// refused beside an account: what it supplies follows from the rate of its flux, which no law gives.
 /// A circuit of `SwitchedInverter(integration: Separate(..))` lies outside: what its machines do at their shafts is
 /// booked as supplied. The little power by which the gaps of closed loops are drawn together is booked as heat of either sign.
 ///

@@ -5,6 +5,7 @@ mod laws;
 mod layout;
 mod loops;
 mod order;
+mod rates;
 mod when;
 
 use std::sync::Arc;
@@ -48,6 +49,7 @@ pub(crate) fn sort(
     let rates: HashMap<usize, usize> = rates.collect();
     let when = when(&order, &sorted, &rates);
     problems.extend(order.judge(&sorted, &when, settings.algebraic_loops));
+    problems.extend(rates::judge(&order, &when));
     if problems.any_error() {
         return None;
     }

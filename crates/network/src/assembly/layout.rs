@@ -144,6 +144,9 @@ impl Network {
             });
             let mut inputs = Vec::new();
             let mut cells = 0;
+            let first_input = interface.inputs.len();
+            let mut own_sources = next.speed_sources..next.speed_sources + speed_sources;
+            let moves_masses = own_sources.any(|source| rotation.moves_masses(source));
             for (input, length) in part.inputs.iter().zip(&member.input_lengths) {
                 inputs.push((cells as u32, (cells + length) as u32));
                 cells += length;
@@ -157,7 +160,8 @@ impl Network {
                     interface.notes.push(interface.inputs.len());
                 }
                 let name = format!("{}.{}", member.path, input.name);
-                interface.inputs.push(Input { name, ..input.clone() });
+                let rate_of = input.rate_of.filter(|_| moves_masses).map(|of| first_input + of);
+                interface.inputs.push(Input { name, rate_of, ..input.clone() });
             }
             let (x, d, held) = match held_by {
                 Some(by) => {

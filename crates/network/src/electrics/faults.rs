@@ -16,6 +16,7 @@ use crate::problem::NetworkProblem;
 pub(super) fn faults(m: &Members, electrics: &Electrics, island: &Island) -> Vec<NetworkProblem> {
     let mut problems = conflicts(electrics, island);
     problems.extend(heats(m, electrics, island));
+    problems.extend(unbooked_source(m, electrics, island));
     problems.extend(valve_of_fast_circuit(m, electrics, island));
     if !problems.is_empty() {
         return problems;
@@ -31,6 +32,21 @@ pub(super) fn faults(m: &Members, electrics: &Electrics, island: &Island) -> Vec
         }
         Err(Unsolvable::Loop(_) | Unsolvable::Slope(..)) | Ok(_) => too_many(island),
     }
+}
+
+/// The power of a source of magnetic potential is that times the rate of its flux, which no law gives.
+fn unbooked_source(m: &Members, electrics: &Electrics, island: &Island) -> Option<NetworkProblem> {
+    let account = m.list.iter().position(|member| member.is_account())?;
+    let gives =
+        |branch: &Branch| matches!(branch, Branch::Source(_)) && electrics.capacitance(branch).is_none();
+    let source =
+        island.two_pins.iter().find(|pin| pin.domain == Domain::Magnetic && gives(&pin.branch))?.member;
+    let problem = NetworkProblem::new(
+        "unbooked_source",
+        "an account cannot book what a source of magnetic potential supplies: its power contains the rate of its flux, which is unknown",
+        "put a winding in its place, `MagneticWinding` behind an electrical source, or leave out the account",
+    );
+    Some(problem.with(source, "gives this potential").with(account, "is to book its power"))
 }
 
 /// A valve that conducts and blocks by itself in a circuit that is integrated apart: its instants are events of the solver alone.

@@ -92,6 +92,16 @@ pub(crate) struct Rotation {
     pub names: Vec<String>,
 }
 
+impl Rotation {
+    /// Whether anything with inertia, or a joint, is accelerated by a prescribed speed.
+    pub(crate) fn moves_masses(&self, source: usize) -> bool {
+        let nodes = self.inertia.iter().zip(&self.nodes_prescribed);
+        let mut nodes = nodes.filter(|(inertia, _)| **inertia != 0.0).map(|(_, form)| form);
+        nodes.any(|form| form.at(source) != 0.0)
+            || self.joints_prescribed.iter().any(|form| form.at(source) != 0.0)
+    }
+}
+
 /// Finds the independent speeds of all members and everything that is constant about the others.
 pub(crate) fn build(m: &Members, frames: &Frames) -> Result<Rotation, Vec<NetworkProblem>> {
     let nodes = m.rotational_nodes;
