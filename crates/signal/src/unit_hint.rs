@@ -52,6 +52,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("degF", "a temperature in degrees Fahrenheit is (value - 32) / 1.8 degC"),
     ("fahrenheit", "a temperature in degrees Fahrenheit is (value - 32) / 1.8 degC"),
     ("degR", "a temperature in degrees Rankine is value / 1.8 K"),
+    ("grad", "a degree is `deg`, a gradian 0.9 deg"),
     ("mph", "1 mph is 0.44704 m/s"),
     ("mile", "1 mile is 1.609344 km"),
     ("mi", "1 mi is 1.609344 km"),
@@ -106,6 +107,21 @@ fn meant(symbol: &str) -> Meant {
     }
     let splits = symbol.char_indices().skip(1).map(|(i, _)| symbol.split_at(i));
     let splits: Vec<(&str, &str)> = splits.filter(|(a, b)| is_unit(a) && is_unit(b)).collect();
+    // A letter that was typed twice; but `Nmm` is a product.
+    let letters: Vec<char> = symbol.chars().collect();
+    let once = (1..letters.len())
+        .filter(|i| letters[*i] == letters[i - 1] && (splits.is_empty() || letters[*i] == 's'))
+        .map(|twice| {
+            letters
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| *i != twice)
+                .map(|(_, letter)| *letter)
+                .collect::<String>()
+        });
+    if let Some(unit) = once.filter(|_| letters.len() > 2).find(|once| is_unit(once)) {
+        return Meant { hint: format!("did you mean `{unit}`?"), remedy: Some(unit) };
+    }
     // `mAs` with a prefix, and not `N*ms` for `Nms`.
     let is_product = |(left, right): &&(&str, &str)| {
         let times = |unit: &str| left.strip_suffix(unit).is_some_and(|prefix| prefix.chars().count() < 2);

@@ -5,7 +5,7 @@ use crate::mechanics::quantities::ROTATION;
 /// Prescribes the speed between two turning parts, whatever torque that takes: $w_r - w_c = w$.
 ///
 /// Parts with inertia that are coupled to it need its derivative as well to be exact: connect `dw` unless the
-/// speed is constant. Where that is forgotten a warning says so.
+/// speed is constant. A warning shows where that is forgotten.
 ///
 /// ```ron
 /// IdealSpeedSource

@@ -5,7 +5,7 @@ use crate::mechanics::quantities::TRANSLATION;
 /// Prescribes the velocity between two sliding parts, whatever force that takes: $v_r - v_c = v$.
 ///
 /// Parts with mass that are coupled to it need its derivative as well to be exact: connect `dv` unless the velocity is
-/// constant. Where that is forgotten a warning says so.
+/// constant. A warning shows where that is forgotten.
 ///
 /// ```ron
 /// IdealVelocitySource

@@ -277,7 +277,7 @@ fn measured_values_lie_over_a_run_once_their_columns_are_mapped() {
     .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkl=scope.actual[deg]"]));
     expect![[r#"
         error[unreadable]: the unit of column `Winkel` in `m.csv` is not known: unknown unit `grad`
-          = help: write `g*rad`, or give it with --map 'Winkel=scope.actual[UNIT]'
+          = help: a degree is `deg`, a gradian 0.9 deg, or give it with --map 'Winkel=scope.actual[UNIT]'
         exit code 4
     "#]]
     .assert_eq(&desk.said(&["plot", "latest", "--with", "m.csv", "--map", "Winkel=scope.actual[grad]"]));

@@ -228,6 +228,7 @@ fn only_what_is_meant_beyond_doubt_replaces_an_unknown_unit() {
         ("hz", Some("Hz")),
         ("rads", Some("rad")),
         ("rmp", Some("rpm")),
+        ("mss", Some("ms")),
         ("degF", None),
         ("dBm", None),
         ("gpm", None),
