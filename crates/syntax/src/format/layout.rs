@@ -31,9 +31,12 @@ pub(super) fn columns(text: &str) -> usize {
 
 /// Columns of an item on one line, if it may stand on one.
 pub(super) fn width_of_item(item: &Item) -> Option<usize> {
-    if !item.above.is_empty() || !item.after.is_empty() {
-        return None;
-    }
+    let has_lines = !item.above.is_empty() || !item.after.is_empty();
+    (!has_lines).then(|| width_of_line(item))?
+}
+
+/// The same, whatever stands above it and behind its comma.
+pub(super) fn width_of_line(item: &Item) -> Option<usize> {
     let value = match &item.value {
         Value::Atom(text) => (!text.contains('\n')).then(|| columns(text))?,
         Value::Group(group) => width_of_group(group)?,

@@ -176,3 +176,24 @@ fn attributes_stay_on_lines_of_their_own() {
         "#![enable(implicit_some)]\n// why\n(a: 1)\n"
     );
 }
+
+/// What is behind its comma does not make an item wider or narrower: it goes to the next line where it does not fit.
+#[test]
+fn an_item_with_a_comment_begins_a_line_where_it_does_not_fit() {
+    let text = "\
+Diagram(
+    blocks: {
+        \"motor\": DcMotor(r: \"0.6 ohm\", l: \"0.8 mH\", k: \"0.06 N*m/A\", j: \"3e-5 kg*m^2\"), \"shaft\":
+         Inertia(j: \"2e-5 kg*m^2\"), // coupling and screw
+    },
+)";
+    let expected = "\
+Diagram(
+    blocks: {
+        \"motor\": DcMotor(r: \"0.6 ohm\", l: \"0.8 mH\", k: \"0.06 N*m/A\", j: \"3e-5 kg*m^2\"),
+        \"shaft\": Inertia(j: \"2e-5 kg*m^2\"), // coupling and screw
+    },
+)
+";
+    assert_eq!(formatted(text), expected);
+}

@@ -1,7 +1,7 @@
 //! Pieces become text.
 
 use super::WIDTH;
-use super::layout::{Form, columns, form, spans_lines, width_of_head};
+use super::layout::{Form, columns, form, spans_lines, width_of_head, width_of_line};
 use super::pieces::{Comment, File, Group, Item, Value};
 
 /// Blanks for each level of brackets.
@@ -143,7 +143,7 @@ impl Writer {
     fn lines(&mut self, group: &Group, form: Form, indent: usize) {
         let mut must_end = true;
         for (n, item) in group.items.iter().enumerate() {
-            let width = item.width.unwrap_or_else(|| width_of_head(item));
+            let width = width_of_line(item).unwrap_or_else(|| width_of_head(item));
             let fits = self.column + 1 + width < WIDTH;
             // What has a name and spans lines begins one.
             let spans = item.key.is_some() && spans_lines(&item.value);
