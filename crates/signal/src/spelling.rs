@@ -8,12 +8,53 @@ pub fn closest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     nearest(word, known).map(|(meant, _)| meant)
 }
 
-/// The known word that is meant beyond doubt: as [`closest`], and no other one is as near. A slip of the pen changes
-/// letters; words that differ in a digit, such as `axis1` and `axis2`, may both be meant as they are.
+/// The known word that is meant beyond doubt: as [`closest`], no other one is as near, and a slip of the pen makes one of the other. Words
+/// that differ in a digit, such as `axis1` and `axis2`, may both be meant as they are, and so may those that differ in a letter which stands
+/// for something (`r_off` and `g_off`, `mass_a` and `mass_b`) or begins a word (`Synchronous` and `Asynchronous`).
 pub fn surely<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let digits = |text: &str| text.chars().filter(char::is_ascii_digit).collect::<String>();
     let (meant, is_alone) = nearest(word, known)?;
-    (is_alone && digits(meant) == digits(word)).then_some(meant)
+    (is_alone && digits(meant) == digits(word) && is_slip(word, meant)).then_some(meant)
+}
+
+/// Letters of a word from which one that is wrong leaves no doubt, and from which two do.
+const CLEAR: usize = 4;
+const LONG: usize = 8;
+
+/// Whether two names differ in capitals and signs between words only, or in a slip within one longer word.
+fn is_slip(word: &str, meant: &str) -> bool {
+    let (ours, theirs) = (words(word), words(meant));
+    if ours.concat() == theirs.concat() {
+        return true;
+    }
+    let mut differ = ours.iter().zip(&theirs).filter(|(a, b)| a != b);
+    let (Some((a, b)), None, true) = (differ.next(), differ.next(), ours.len() == theirs.len()) else {
+        return false;
+    };
+    let longer = a.len().max(b.len());
+    let most = if longer >= LONG { 2 } else { 1 };
+    longer >= CLEAR && a.first() == b.first() && distance(a, b) <= most
+}
+
+/// The words of a name, in small letters: `joint1.maxTorque` has joint, max and torque.
+fn words(name: &str) -> Vec<Vec<char>> {
+    let mut all: Vec<Vec<char>> = vec![Vec::new()];
+    let letters: Vec<char> = name.chars().collect();
+    for (i, letter) in letters.iter().enumerate() {
+        let before = i.checked_sub(1).map(|before| letters[before]);
+        let next = letters.get(i + 1);
+        let begins = letter.is_uppercase()
+            && (before.is_some_and(char::is_lowercase)
+                || before.is_some_and(char::is_uppercase) && next.is_some_and(|next| next.is_lowercase()));
+        if !letter.is_alphabetic() || begins {
+            all.push(Vec::new());
+        }
+        if let (true, Some(last)) = (letter.is_alphabetic(), all.last_mut()) {
+            last.extend(letter.to_lowercase());
+        }
+    }
+    all.retain(|word| !word.is_empty());
+    all
 }
 
 /// The known word most like `word`, and whether it is nearer than all others.
@@ -115,6 +156,45 @@ mod tests {
         assert_eq!(surely("axis2", ["axis1", "gears"]), None);
         assert_eq!(surely("axs2", ["axis1", "axis2"]), Some("axis2"));
         assert_eq!(surely("Gian", ["Gain", "Gain"]), Some("Gain"), "the same word twice is one");
+    }
+
+    #[test]
+    fn a_letter_that_means_something_is_no_slip() {
+        for (word, known) in [
+            ("r_off", "g_off"),
+            ("l_ls", "x_ls"),
+            ("w_rated", "f_rated"),
+            ("v0", "w0"),
+            ("kv", "k"),
+            ("r_s", "r_r"),
+            ("mass_a", "mass_b"),
+            ("speed_y", "speed_x"),
+            ("phase_b.y", "phase_a.y"),
+            ("m.v_q", "m.i_q"),
+            ("Cosine", "Sine"),
+            ("Max", "Mux"),
+            ("Mul", "Mux"),
+            ("DCVoltageSource", "AcVoltageSource"),
+            ("SynchronousMachine", "AsynchronousMachine"),
+            ("SeriesMotor", "StepperMotor"),
+            ("BldcMotor", "DcMotor"),
+            ("OnDelay", "Delay"),
+            ("FlowSensor", "FluxSensor"),
+        ] {
+            assert_eq!(surely(word, [known]), None, "{word}");
+        }
+        for (word, known) in [
+            ("demnd.y", "demand.y"),
+            ("aftr", "after"),
+            ("DcMotr", "DcMotor"),
+            ("gearratio", "gear_ratio"),
+            ("r_sourse", "r_source"),
+            ("INTEGRATOR", "Integrator"),
+            ("DCMotor", "DcMotor"),
+            ("AsynchronosMachine", "AsynchronousMachine"),
+        ] {
+            assert_eq!(surely(word, [known]), Some(known), "{word}");
+        }
     }
 
     #[test]

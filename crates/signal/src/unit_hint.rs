@@ -137,7 +137,8 @@ fn meant(symbol: &str) -> Meant {
         let first = |text: &str| text.chars().next();
         let is_prefix =
             first(symbol) != first(only) && matches!(first(symbol), Some('M' | 'm' | 'P' | 'p' | 'G' | 'g'));
-        let remedy = (!is_prefix).then(|| only.clone());
+        // A letter alone is as well a prefix.
+        let remedy = (!is_prefix && symbol.chars().count() > 1).then(|| only.clone());
         return Meant { hint: format!("did you mean `{only}`?"), remedy };
     }
     let sorted = |text: &str| {

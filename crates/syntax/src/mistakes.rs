@@ -83,6 +83,12 @@ fn decimal_comma(text: &str, at: usize) -> Option<SyntaxError> {
     let written = &text[start..stop];
     let new = written.replace(',', ".");
     let error = SyntaxError::new(start..stop, format!("`{written}` is not a number"));
+    // Thousands are separated so as well.
+    let before = comma - start;
+    if stop - comma == 4 && before <= 3 && !written.starts_with('0') && !written.contains('.') {
+        let joined = written.replace(',', "");
+        return Some(error.help(format!("write {new} or {joined}, whichever is meant")));
+    }
     Some(error.help(format!("decimal comma? write {new}")).remedy(text, start..stop, new))
 }
 

@@ -58,6 +58,10 @@ Diagram(
         let error = read("Diagram(\n  blocks: {\n    \"pid\": Pid(kp: 1,05, ki: 2.0),\n  },\n)").unwrap_err();
         assert_eq!(error.message, "`1,05` is not a number");
         assert_eq!(error.help.as_deref(), Some("decimal comma? write 1.05"));
+        // Thousands are as likely there, so nothing is written.
+        let error = read("Diagram(\n  blocks: {\n    \"n\": Constant(value: 10,000),\n  },\n)").unwrap_err();
+        assert_eq!(error.help.as_deref(), Some("write 10.000 or 10000, whichever is meant"));
+        assert!(error.remedy.is_none());
     }
 
     #[test]

@@ -84,7 +84,7 @@ impl<'a> Place<'a> {
 
     /// The unit in which the value is written, which has this dimension.
     pub(crate) fn unit(&self, dimension: Dimension) -> WrittenUnit {
-        if self.in_decibels() {
+        if self.in_decibels(0) {
             return WrittenUnit::Decibels;
         }
         let mut all = Vec::new();
@@ -145,10 +145,23 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// Whether a ratio in decibels stands here.
-    fn in_decibels(&self) -> bool {
-        let Shape::Text(text) = &self.node.value else { return false };
-        noted(&self.scope, text, self.file, 0, &(0..0)).is_ok_and(|noted| noted.has_decibels)
+    /// Whether a ratio in decibels stands here, or where a parameter that stands here alone has its value from.
+    fn in_decibels(&self, depth: usize) -> bool {
+        if depth > DEEPEST {
+            return false;
+        }
+        match &self.node.value {
+            Shape::Text(text) => {
+                let Ok(noted) = noted(&self.scope, text, self.file, 0, &(0..0)) else { return false };
+                let alone = noted.names.first().filter(|named| *named == text.trim());
+                let named = alone.and_then(|named| Place::of(&self.scope, &segments(named)));
+                noted.has_decibels || named.is_some_and(|place| place.in_decibels(depth + 1))
+            }
+            Shape::Struct(None, members) => described(members).is_some_and(|value| {
+                Place { node: Rc::new(value.clone()), ..self.clone() }.in_decibels(depth + 1)
+            }),
+            _ => false,
+        }
     }
 
     /// Units that stand in the value, and in the parameters that it names.

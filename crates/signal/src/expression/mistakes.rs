@@ -61,6 +61,12 @@ impl<M: Meaning> Parser<'_, M> {
                 "write numbers without separators between thousands, with a point before the decimals",
             ));
         }
+        // Thousands are separated so as well.
+        if fraction.len() == 3 && whole.len() <= 3 && !whole.starts_with('0') {
+            return Some(
+                error.help(format!("write {whole}.{fraction} or {whole}{fraction}, whichever is meant")),
+            );
+        }
         let remedy = (!separates).then(|| format!("{whole}.{fraction}"));
         Some(error.help(format!("decimal comma? write {whole}.{fraction}")).remedy(remedy))
     }

@@ -298,6 +298,8 @@ fn a_decimal_comma_is_recognised() {
         "write numbers without separators between thousands, with a point before the decimals";
     refused(&[
         ("1,05", 0..4, "`1,05` is not a number", "decimal comma? write 1.05"),
+        ("10,000 rpm", 0..6, "`10,000` is not a number", "write 10.000 or 10000, whichever is meant"),
+        ("0,250 m", 0..5, "`0,250` is not a number", "decimal comma? write 0.250"),
         ("2 * 1,5 m", 4..7, "`1,5` is not a number", "decimal comma? write 1.5"),
         ("[1,05]", 1..5, "`1,05` is not a number", "decimal comma? write 1.05"),
         ("1.234,5", 0..7, "`1.234,5` is not a number", THOUSANDS),

@@ -235,6 +235,8 @@ fn only_what_is_meant_beyond_doubt_replaces_an_unknown_unit() {
         ("kp", None),
         ("Mm", None),
         ("mhz", None),
+        ("k", None),
+        ("n", None),
         ("PA", None),
         ("Nmm", None),
         ("gW", None),
