@@ -278,3 +278,38 @@ fn bounces_that_are_lost_in_the_digits_of_the_position_are_none() {
         }
     }
 }
+
+/// A mass of 2 m/s strikes two walls at once, one that throws back half of its speed and one that takes all of it: it comes back with 1 m/s, for
+/// the second only holds what goes on. So it does between a wall and another mass that stands at a wall of its own, and in the middle of a run.
+#[test]
+fn ends_that_are_struck_at_once_throw_back_as_much_as_the_one_that_asks_for_most() {
+    for solver in SOLVERS {
+        for ends in [[0.0, 0.5], [0.5, 0.0]] {
+            for start in [0.1, 0.06] {
+                let run = run_blocks(
+                    "50 ms",
+                    solver,
+                    &format!(
+                        r#""m": Mass(m: 2, v0: 2), "a": TranslationalRigidStop(upper: 0.1, restitution: {:?}, x0: {start:?}),
+                           "b": TranslationalRigidStop(upper: 0.1, restitution: {:?}, x0: {start:?}), "g": TranslationalReference,
+                           "sensor": TranslationalMotionSensor, "scope": Scope(inputs: ["v"])"#,
+                        ends[0], ends[1]
+                    ),
+                    r#""m.r <-> a.r <-> b.r <-> sensor.r", "a.c <-> b.c <-> sensor.c <-> g.r", "sensor.v -> scope.v""#,
+                );
+                close(run.last("scope.v"), -1.0, 1e-9, &format!("{solver}, {ends:?} from {start}"));
+            }
+        }
+        let run = run_blocks(
+            "50 ms",
+            solver,
+            r#""m0": Mass(m: 2, v0: 2), "m1": Mass(m: 3), "wall": TranslationalRigidStop(upper: 0.1, restitution: 0, x0: 0.1),
+               "between": TranslationalRigidStop(upper: 0.3, restitution: 0.5, x0: 0.3), "wall1": TranslationalRigidStop(upper: 0.1, restitution: 0, x0: 0.1),
+               "g": TranslationalReference, "s0": TranslationalMotionSensor, "s1": TranslationalMotionSensor, "scope": Scope(inputs: ["v0", "v1"])"#,
+            r#""m0.r <-> wall.r <-> between.r <-> s0.r", "m1.r <-> between.c <-> wall1.r <-> s1.r",
+               "wall.c <-> wall1.c <-> s0.c <-> s1.c <-> g.r", "s0.v -> scope.v0", "s1.v -> scope.v1""#,
+        );
+        close(run.last("scope.v0"), -1.0, 1e-9, &format!("{solver}, the first mass"));
+        close(run.last("scope.v1"), 0.0, 1e-9, &format!("{solver}, the second mass"));
+    }
+}

@@ -9,7 +9,8 @@
 //! dynamics, 1988), solved by least-index pivoting.
 //!
 //! A rigid end of travel with a restitution `e` bounces: `u+ <= -e u` instead (Newton's law of impacts). Each bounce is
-//! shorter than the last by `e`, and all of them end at a finite time; below [`RESTS`] it stays where it is.
+//! shorter than the last by `e`, and all of them end at a finite time; below [`RESTS`] it stays where it is. Ends that depend on each
+//! other, as two walls that one mass strikes, may ask for different speeds; then sets of them are tried one after the other.
 
 use blocksim_block::Context;
 
@@ -19,6 +20,12 @@ use crate::work::Work;
 
 /// A bounce that would end sooner than this, s, is none.
 const RESTS: f64 = 1e-7;
+/// Part of a speed at which something is thrown back that may be missing.
+const MET: f64 = 1e-9;
+/// Part of the largest speed at which something is thrown back from which a part goes with it.
+const REBOUND: f64 = 1e-6;
+/// Parts of which all sets are tried.
+const MOST: usize = 10;
 
 /// How a part takes part in an impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,9 +57,7 @@ impl Network {
             };
         }
         for _ in 0..10 + 10 * count * count {
-            at.copy_from_slice(c.x);
-            self.again(&Context { x: c.x, d: modes, ..*c }, w);
-            self.throw(w, at);
+            self.thrown(c, w, at, modes);
             let wrong = (0..count).find(|i| self.is_wrong(*i, modes[first + i], c, at, w));
             let Some(i) = wrong else { break };
             modes[first + i] = match self.rigid(i, 0.0, w) {
@@ -60,13 +65,20 @@ impl Network {
                 _ => 0.0,
             };
         }
+        if (0..count).any(|i| self.falls_short(i, c, at, w)) {
+            self.try_sets(c, w, at, modes);
+        }
+        // What is to stand may go with what is thrown back.
+        let back = w.bounce.iter().fold(0.0_f64, |most, bounce| most.max(bounce.abs()));
         for i in 0..count {
             if self.is_open(i, w) {
                 w.rests[i] = Rest::Open;
                 continue;
             }
             let speed = self.slip(i, at, &w.s).0;
-            let locked = modes[first + i] == 0.0 && w.bounce[i] == 0.0;
+            let locked = modes[first + i] == 0.0
+                && w.bounce[i] == 0.0
+                && (back == 0.0 || speed.abs() <= REBOUND * back);
             w.rests[i] = match locked || speed.abs() <= self.stands_below(i, &Context { x: at, ..*c }, w) {
                 true => self.stands(i, w),
                 false => Rest::Moves(speed.signum()),
@@ -74,15 +86,57 @@ impl Network {
         }
     }
 
+    /// Speeds after an impact of what `modes` hold.
+    fn thrown(&self, c: &Context, w: &mut Work, at: &mut [f64], modes: &[f64]) {
+        at.copy_from_slice(c.x);
+        self.again(&Context { x: c.x, d: modes, ..*c }, w);
+        self.throw(w, at);
+    }
+
+    /// Tries each set of the parts that slide in one direction only, until all of them do right.
+    fn try_sets(&self, c: &Context, w: &mut Work, at: &mut [f64], modes: &mut [f64]) {
+        let (count, first) = (self.stiction.len(), self.stiction.modes.start);
+        let one_way = |i: usize, w: &Work| match self.rigid(i, 0.0, w) {
+            Rigid::OneWay(sign) => Some(sign),
+            Rigid::No | Rigid::BothWays => None,
+        };
+        let parts = (0..count).filter(|i| one_way(*i, w).is_some()).count();
+        let before = (0..count).filter(|i| one_way(*i, w).is_some());
+        let before = before
+            .enumerate()
+            .fold(0_usize, |set, (bit, i)| set | usize::from(modes[first + i] == 0.0) << bit);
+        // Without a set that does right it stays as it was.
+        let sets = if parts <= MOST { 1 << parts } else { 0 };
+        for set in (0..sets).chain([before]) {
+            let mut bit = 0;
+            for i in 0..count {
+                if let Some(sign) = one_way(i, w) {
+                    modes[first + i] = if set >> bit & 1 == 1 { 0.0 } else { -sign };
+                    bit += 1;
+                }
+            }
+            self.thrown(c, w, at, modes);
+            let fails = |i| self.is_wrong(i, modes[first + i], c, at, w) || self.falls_short(i, c, at, w);
+            if !(0..count).any(fails) {
+                return;
+            }
+        }
+    }
+
+    /// Whether an end of travel throws back less than it has to.
+    fn falls_short(&self, i: usize, c: &Context, at: &[f64], w: &Work) -> bool {
+        let Rigid::OneWay(sign) = self.rigid(i, 0.0, w) else { return false };
+        let (speed, zero, _) = self.slip(i, at, &w.s);
+        // A speed that is asked for is met but for rounding.
+        sign * speed > zero + self.jitter(i, c, w) - (1.0 - MET) * w.bounce[i].abs()
+    }
+
     /// Whether a freewheel pulls, or slides the way that it locks.
     fn is_wrong(&self, i: usize, mode: f64, c: &Context, at: &[f64], w: &Work) -> bool {
         let Rigid::OneWay(sign) = self.rigid(i, 0.0, w) else { return false };
         match self.row_of(i, w) {
             Some(row) => mode == 0.0 && sign * w.schur.lambda[row] > 0.0,
-            None => {
-                let (speed, zero, _) = self.slip(i, at, &w.s);
-                sign * speed > zero + self.jitter(i, c, w) - w.bounce[i].abs()
-            }
+            None => self.falls_short(i, c, at, w),
         }
     }
 
