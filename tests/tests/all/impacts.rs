@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use blocksim_tests::{close, run_blocks};
+use blocksim_tests::{close, compile_text, run, run_blocks};
 
 const SOLVERS: [&str; 12] = [
     "Auto",
@@ -311,5 +311,44 @@ fn ends_that_are_struck_at_once_throw_back_as_much_as_the_one_that_asks_for_most
         );
         close(run.last("scope.v0"), -1.0, 1e-9, &format!("{solver}, the first mass"));
         close(run.last("scope.v1"), 0.0, 1e-9, &format!("{solver}, the second mass"));
+    }
+}
+
+/// A freewheel that a prescribed speed turns against a stop has no motion: it ends the run. Away from the stop it takes the wheel along, however the
+/// parts are ordered.
+#[test]
+fn a_prescribed_speed_takes_along_what_can_go_and_is_refused_against_a_stop() {
+    let turned = |from: f64, to: f64, names: [&str; 2], end: &str| {
+        let [hub, stop] = names;
+        let blocks = format!(
+            r#""wheel": Inertia(j: 1), "{stop}": RotationalRigidStop(upper: 0, lower: -1, phi0: {end}), "{hub}": OneWayClutch, "source": IdealSpeedSource,
+               "w": SignalBuilder(points: [(0, {from:?}), (1, {to:?})]), "dw": Constant(value: "{:?} rad/s^2"), "frame": RotationalReference,
+               "sensor": MotionSensor, "scope": Scope(inputs: ["w", "phi"])"#,
+            to - from
+        );
+        let connections = format!(
+            r#""wheel.r <-> {stop}.r <-> {hub}.c <-> sensor.r", "source.r <-> {hub}.r", "w.y -> source.w", "dw.y -> source.dw",
+               "source.c <-> {stop}.c <-> sensor.c <-> frame.r", "sensor.w -> scope.w", "sensor.phi -> scope.phi""#
+        );
+        let text = format!(
+            r#"Diagram(simulation: (stop_time: "1 s"), blocks: {{ {blocks} }}, connections: [{connections}])"#
+        );
+        let (compiled, problems) = compile_text(&text);
+        run(compiled.schedule.unwrap_or_else(|| panic!("{problems}")))
+    };
+    for names in [["a", "b"], ["b", "a"]] {
+        let against = turned(-0.5, 0.5, names, "0");
+        let error = format!("{:?}", against.error.expect("no motion fits"));
+        assert!(
+            error.contains("no motion fits all of them") && error.contains("`a`") && error.contains("`b`"),
+            "{error}"
+        );
+        let end = *against.time.last().expect("rows");
+        assert!(end > 0.4 && end < 0.5 + 1e-9, "where the speed changes its sign, not {end}");
+        // From the lower stop on: phi = t^2 / 2 - t / 2 from the instant at which the source turns forward.
+        let along = turned(-0.5, 0.5, names, "-1");
+        assert!(along.error.is_none(), "{:?}", along.error);
+        close(along.last("scope.w"), 0.5, 1e-9, "speed");
+        close(along.last("scope.phi"), 0.125, 1e-7, "angle");
     }
 }

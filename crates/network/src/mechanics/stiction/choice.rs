@@ -27,6 +27,11 @@ const LEVER: f64 = 1e4;
 /// The same up to which it makes no difference whether it is asked before or after the stop what is held.
 const GENTLE: f64 = 100.0;
 
+/// Part of an acceleration that a rigid part may miss where constraints depend on each other.
+const MISSING: f64 = 1e-3;
+/// Parts of which all sets are tried.
+const MOST: usize = 10;
+
 /// A slip is zero up to this many times what the loops have drifted: one part may stand where others have to share its misfit.
 const SLACK: f64 = 10.0;
 
@@ -257,7 +262,12 @@ impl Network {
                 let now = Context { x: at, d: modes, ..*c };
                 self.again(&now, w);
                 match self.wrong(soft, c, w, modes) {
-                    None => return self.hold_on(soft, c, w, at, modes),
+                    None => {
+                        if self.contradicted(soft, w).is_some() {
+                            self.try_rigid(soft, c, w, at, modes);
+                        }
+                        return self.hold_on(soft, c, w, at, modes);
+                    }
                     Some((i, mode)) => modes[self.stiction.modes.start + i] = mode,
                 }
             }
@@ -273,6 +283,73 @@ impl Network {
                 "the dry frictions find no modes that agree: make one of them smooth".into()
             }),
         );
+    }
+
+    /// The first part that is rigid and slides all the same, as others that are stuck ask for another motion: a prescribed speed that drives
+    /// a freewheel into a stop.
+    fn contradicted(&self, soft: bool, w: &mut Work) -> Option<usize> {
+        if w.stuck.iter().all(|i| self.sticky(*i).1.is_empty()) || !w.schur.has_dependent_rows(&w.rows) {
+            return None;
+        }
+        w.product.copy_from_slice(&w.force);
+        self.envelope.solve(&w.factor, &mut w.product);
+        let rows = &w.rows;
+        w.schur.impose(rows, &mut w.product, |k| rows.b[k]);
+        w.stuck.iter().enumerate().find_map(|(k, i)| {
+            let row = w.first_stuck + k;
+            let (is, asked) = (w.rows.of(row, &w.product), w.rows.b[row]);
+            let missing = is - asked;
+            let is_rigid = self.held(*i, soft, w)[usize::from(missing < 0.0)] == f64::INFINITY;
+            (is_rigid && missing.abs() > MISSING * (is.abs() + asked.abs())).then_some(*i)
+        })
+    }
+
+    /// Tries each set of the parts at rest that hold rigidly in one direction, until all modes are right; where none is, nothing can move as it
+    /// has to.
+    fn try_rigid(&self, soft: bool, c: &Context, w: &mut Work, at: &[f64], modes: &mut [f64]) {
+        let (count, first) = (self.stiction.len(), self.stiction.modes.start);
+        let gives_way = |i: usize, w: &Work| match self.held(i, soft, w) {
+            _ if w.rests[i] != Rest::Stands => None,
+            [f64::INFINITY, back] if back < f64::INFINITY => Some(-1.0),
+            [forth, f64::INFINITY] if forth < f64::INFINITY => Some(1.0),
+            _ => None,
+        };
+        let parts = (0..count).filter(|i| gives_way(*i, w).is_some()).count();
+        let sets = if parts <= MOST { 1_usize << parts } else { 0 };
+        for set in 0..sets {
+            let mut bit = 0;
+            for i in 0..count {
+                if let Some(way) = gives_way(i, w) {
+                    modes[first + i] = if set >> bit & 1 == 1 { 0.0 } else { way };
+                    bit += 1;
+                }
+            }
+            self.again(&Context { x: at, d: modes, ..*c }, w);
+            if self.wrong(soft, c, w, modes).is_none() && self.contradicted(soft, w).is_none() {
+                return;
+            }
+        }
+        for i in 0..count {
+            if gives_way(i, w).is_some() {
+                modes[first + i] = 0.0;
+            }
+        }
+        self.again(&Context { x: at, d: modes, ..*c }, w);
+        let is_rigid = |i: &usize| self.held(*i, soft, w).contains(&f64::INFINITY);
+        let seat_of = |i: usize| self.seats.iter().find(|seat| seat.frictions.contains(&i));
+        let mut rigid: Vec<String> = w
+            .stuck
+            .iter()
+            .filter(|i| is_rigid(i))
+            .filter_map(|i| seat_of(*i))
+            .map(|seat| format!("`{}`", seat.member.path))
+            .collect();
+        rigid.dedup();
+        c.fail(format!(
+            "a prescribed speed drives parts against each other that do not give way ({}): no motion fits all of them; put a spring, a clutch \
+             or a torque in the place of one",
+            rigid.join(", ")
+        ));
     }
 
     /// The first part at rest whose mode is wrong while `w` holds the evaluation with these, and the mode to be tried. What can push and not
@@ -304,7 +381,7 @@ impl Network {
             }
             modes[cell] = 0.0;
             self.again(&Context { x: at, d: modes, ..*c }, w);
-            if self.wrong(soft, c, w, modes).is_some() {
+            if self.wrong(soft, c, w, modes).is_some() || self.contradicted(soft, w).is_some() {
                 modes[cell] = mode;
                 self.again(&Context { x: at, d: modes, ..*c }, w);
             }
