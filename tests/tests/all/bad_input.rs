@@ -748,3 +748,14 @@ fn a_difference_that_is_named_is_looked_up_where_it_is_written() {
         "#]],
     );
 }
+
+#[test]
+fn an_input_and_an_output_of_one_name_are_refused_where_they_are_declared() {
+    let (_, problems) = compile_text(
+        r#"Diagram(inputs: { "x": () }, outputs: { "x": "g.y" }, blocks: { "g": Gain(k: 2) }, connections: ["in.x -> g.u"])"#,
+    );
+    assert!(
+        problems.contains("duplicate_name") && problems.contains("an input and an output are called `x`"),
+        "{problems}"
+    );
+}

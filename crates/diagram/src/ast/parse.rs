@@ -129,6 +129,20 @@ pub(crate) fn parse(file: FileId, root: &Node, problems: &mut Problems) -> Optio
     if ast.unread.parameters {
         problems.parameters_are_unread();
     }
+    for (output, _) in &ast.outputs {
+        if let Some((input, _)) = ast.inputs.iter().find(|(input, _)| input.text == output.text) {
+            // A connection names a port without saying which of both is meant.
+            problems.push(
+                Problem::error(
+                    "duplicate_name",
+                    format!("an input and an output are called `{}`", output.text),
+                )
+                .at(&place(&output.span), "the output")
+                .at(&place(&input.span), "the input")
+                .help("rename one of them"),
+            );
+        }
+    }
     Some(ast)
 }
 
