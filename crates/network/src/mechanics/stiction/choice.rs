@@ -14,7 +14,7 @@
 use blocksim_block::Context;
 use blocksim_block::physical::{Grip, Torque};
 
-use super::parts::{Place, Rest};
+use super::parts::{Place, Rest, Sets};
 use super::{OPEN, ROUNDING};
 use crate::mechanics::loops::AT_REST;
 use crate::mechanics::schur::DEPENDENT;
@@ -29,8 +29,6 @@ const GENTLE: f64 = 100.0;
 
 /// Part of an acceleration that a rigid part may miss where constraints depend on each other.
 const MISSING: f64 = 1e-3;
-/// Parts of which all sets are tried.
-const MOST: usize = 10;
 
 /// A slip is zero up to this many times what the loops have drifted: one part may stand where others have to share its misfit.
 const SLACK: f64 = 10.0;
@@ -314,14 +312,13 @@ impl Network {
             [forth, f64::INFINITY] if forth < f64::INFINITY => Some(1.0),
             _ => None,
         };
-        let parts = (0..count).filter(|i| gives_way(*i, w).is_some()).count();
-        let sets = if parts <= MOST { 1_usize << parts } else { 0 };
-        for set in 0..sets {
-            let mut bit = 0;
+        let sets = Sets { parts: (0..count).filter(|i| gives_way(*i, w).is_some()).count() };
+        for set in 0..sets.len() {
+            let mut part = 0;
             for i in 0..count {
                 if let Some(way) = gives_way(i, w) {
-                    modes[first + i] = if set >> bit & 1 == 1 { 0.0 } else { way };
-                    bit += 1;
+                    modes[first + i] = if sets.has(set, part) { 0.0 } else { way };
+                    part += 1;
                 }
             }
             self.again(&Context { x: at, d: modes, ..*c }, w);

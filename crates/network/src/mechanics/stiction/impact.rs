@@ -14,7 +14,7 @@
 
 use blocksim_block::Context;
 
-use super::parts::{Place, Rest};
+use super::parts::{Place, Rest, Sets};
 use crate::network::Network;
 use crate::work::Work;
 
@@ -24,8 +24,6 @@ const RESTS: f64 = 1e-7;
 const MET: f64 = 1e-9;
 /// Part of the largest speed at which something is thrown back from which a part goes with it.
 const REBOUND: f64 = 1e-6;
-/// Parts of which all sets are tried.
-const MOST: usize = 10;
 
 /// How a part takes part in an impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,19 +98,14 @@ impl Network {
             Rigid::OneWay(sign) => Some(sign),
             Rigid::No | Rigid::BothWays => None,
         };
-        let parts = (0..count).filter(|i| one_way(*i, w).is_some()).count();
-        let before = (0..count).filter(|i| one_way(*i, w).is_some());
-        let before = before
-            .enumerate()
-            .fold(0_usize, |set, (bit, i)| set | usize::from(modes[first + i] == 0.0) << bit);
-        // Without a set that does right it stays as it was.
-        let sets = if parts <= MOST { 1 << parts } else { 0 };
-        for set in (0..sets).chain([before]) {
-            let mut bit = 0;
+        w.kept.copy_from_slice(self.stiction.of(modes));
+        let sets = Sets { parts: (0..count).filter(|i| one_way(*i, w).is_some()).count() };
+        for set in 0..sets.len() {
+            let mut part = 0;
             for i in 0..count {
                 if let Some(sign) = one_way(i, w) {
-                    modes[first + i] = if set >> bit & 1 == 1 { 0.0 } else { -sign };
-                    bit += 1;
+                    modes[first + i] = if sets.has(set, part) { 0.0 } else { -sign };
+                    part += 1;
                 }
             }
             self.thrown(c, w, at, modes);
@@ -121,6 +114,9 @@ impl Network {
                 return;
             }
         }
+        // Without a set that does right it stays as it was.
+        modes[self.stiction.modes.clone()].copy_from_slice(&w.kept);
+        self.thrown(c, w, at, modes);
     }
 
     /// Whether an end of travel throws back less than it has to.

@@ -146,3 +146,22 @@ pub(crate) enum Rest {
     /// Nothing: nothing presses it.
     Open,
 }
+
+/// Sets of parts that are tried one after the other: all of a few; of many, those without one of them.
+pub(super) struct Sets {
+    pub parts: usize,
+}
+
+impl Sets {
+    /// Parts of which all sets are tried.
+    const FEW: usize = 10;
+
+    pub fn len(&self) -> usize {
+        if self.parts <= Self::FEW { 1 << self.parts } else { self.parts }
+    }
+
+    /// Whether a part is in a set.
+    pub fn has(&self, set: usize, part: usize) -> bool {
+        if self.parts <= Self::FEW { set >> part & 1 == 1 } else { part != set }
+    }
+}
