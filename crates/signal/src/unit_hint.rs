@@ -78,83 +78,107 @@ const PLURAL: &[&str] = &["rad", "deg", "rev", "rpm", "min", "bar", "mol", "cycl
 const TIMES: &[&str] = &["V", "A", "W", "N", "J", "Nm", "VA", "Pa"];
 
 fn meant(symbol: &str) -> Meant {
+    let known = written_otherwise(symbol).or_else(|| without_sign(symbol)).or_else(|| misspelt(symbol));
+    known.unwrap_or_else(|| guessed(symbol))
+}
+
+fn is_unit(text: &str) -> bool {
+    unit_table::find(text).is_some()
+}
+
+fn same(a: &str, b: &str) -> bool {
+    a.eq_ignore_ascii_case(b)
+}
+
+/// A word for a unit, a plural, a unit from elsewhere.
+fn written_otherwise(symbol: &str) -> Option<Meant> {
     if symbol == unit_table::DECIBEL {
         let hint = "dB stands only directly behind the number of a whole literal, such as \"-3 dB\"";
-        return Meant::perhaps(hint.to_owned());
+        return Some(Meant::perhaps(hint.to_owned()));
     }
-    let is_unit = |text: &str| unit_table::find(text).is_some();
     let singular = symbol.strip_suffix('s').filter(|word| word.len() > 1).unwrap_or(symbol);
-    let same = |a: &str, b: &str| a.eq_ignore_ascii_case(b);
     let is_word = |word: &str| same(word, symbol) || same(word, singular);
-    if let Some((_, short)) = unit_table::WORDS.iter().find(|(word, _)| is_word(word)) {
-        return Meant::surely(short);
-    }
-    if PLURAL.contains(&singular) {
-        return Meant::surely(singular);
-    }
-    if let Some((_, unit)) = OTHERWISE.iter().find(|(word, _)| *word == symbol) {
-        return Meant::surely(unit);
-    }
-    let elsewhere = ELSEWHERE.iter().find(|(word, _)| *word == symbol || word.len() > 2 && is_word(word));
-    if let Some((_, hint)) = elsewhere {
-        return Meant::perhaps((*hint).to_owned());
-    }
-    if let Some((unit, power)) = symbol.split_at_checked(symbol.len().saturating_sub(1))
-        && matches!(power, "2" | "3")
-        && is_unit(unit)
-    {
-        return Meant::surely(&format!("{unit}^{power}"));
-    }
+    let here = unit_table::WORDS.iter().find(|(word, _)| is_word(word));
+    let here = here.or_else(|| OTHERWISE.iter().find(|(word, _)| *word == symbol));
+    let here = here.map(|(_, unit)| *unit).or_else(|| PLURAL.contains(&singular).then_some(singular));
+    here.map(Meant::surely).or_else(|| {
+        let is_it = |word: &str| word == symbol || word.len() > 2 && is_word(word);
+        let elsewhere = ELSEWHERE.iter().find(|(word, _)| is_it(word));
+        elsewhere.map(|(_, hint)| Meant::perhaps((*hint).to_owned()))
+    })
+}
+
+/// Both units of each product that the symbol may be.
+fn products(symbol: &str) -> Vec<(&str, &str)> {
     let splits = symbol.char_indices().skip(1).map(|(i, _)| symbol.split_at(i));
-    let splits: Vec<(&str, &str)> = splits.filter(|(a, b)| is_unit(a) && is_unit(b)).collect();
-    // A letter that was typed twice; but `Nmm` is a product.
+    splits.filter(|(a, b)| is_unit(a) && is_unit(b)).collect()
+}
+
+/// A power or a product with a time without its sign: `mm2`, and `mAs` with a prefix, but not `N*ms` for `Nms`. Before a product comes a letter
+/// that was typed twice, as in `mss`; but `Nmm` is one.
+fn without_sign(symbol: &str) -> Option<Meant> {
+    let power = symbol.split_at_checked(symbol.len().saturating_sub(1));
+    if let Some((unit, power)) = power.filter(|(unit, power)| matches!(*power, "2" | "3") && is_unit(unit)) {
+        return Some(Meant::surely(&format!("{unit}^{power}")));
+    }
+    let products = products(symbol);
+    if let Some(unit) = typed_once(symbol, |letter| products.is_empty() || letter == 's') {
+        return Some(Meant { hint: format!("did you mean `{unit}`?"), remedy: Some(unit) });
+    }
+    let times =
+        |left: &str, unit: &str| left.strip_suffix(unit).is_some_and(|prefix| prefix.chars().count() < 2);
+    let with_time = products
+        .iter()
+        .find(|(left, right)| matches!(*right, "s" | "h") && TIMES.iter().any(|unit| times(left, unit)));
+    with_time.map(|(left, right)| Meant::surely(&format!("{left}*{right}")))
+}
+
+/// The unit that is left where a letter that stands twice stands once.
+fn typed_once(symbol: &str, may: impl Fn(char) -> bool) -> Option<String> {
     let letters: Vec<char> = symbol.chars().collect();
-    let once = (1..letters.len())
-        .filter(|i| letters[*i] == letters[i - 1] && (splits.is_empty() || letters[*i] == 's'))
-        .map(|twice| {
-            letters
-                .iter()
-                .enumerate()
-                .filter(|(i, _)| *i != twice)
-                .map(|(_, letter)| *letter)
-                .collect::<String>()
-        });
-    if let Some(unit) = once.filter(|_| letters.len() > 2).find(|once| is_unit(once)) {
-        return Meant { hint: format!("did you mean `{unit}`?"), remedy: Some(unit) };
+    if letters.len() < 3 {
+        return None;
     }
-    // `mAs` with a prefix, and not `N*ms` for `Nms`.
-    let is_product = |(left, right): &&(&str, &str)| {
-        let times = |unit: &str| left.strip_suffix(unit).is_some_and(|prefix| prefix.chars().count() < 2);
-        matches!(*right, "s" | "h") && TIMES.iter().copied().any(times)
+    let twice = (1..letters.len()).filter(|i| letters[*i] == letters[i - 1] && may(letters[*i]));
+    let without = |at: usize| -> String {
+        letters.iter().enumerate().filter(|(i, _)| *i != at).map(|(_, letter)| *letter).collect()
     };
-    if let Some((left, right)) = splits.iter().find(is_product) {
-        return Meant::surely(&format!("{left}*{right}"));
-    }
+    twice.map(without).find(|once| is_unit(once))
+}
+
+/// Other capitals, or the letters of a unit in another order behind the first.
+fn misspelt(symbol: &str) -> Option<Meant> {
     let symbols = unit_table::symbols();
+    let first = |text: &str| text.chars().next();
     let spelt: Vec<&String> = symbols.iter().filter(|known| same(known, symbol)).collect();
     if let [only] = spelt[..] {
-        // A capital makes a million of a thousandth.
-        let first = |text: &str| text.chars().next();
+        // A capital makes a million of a thousandth, and a letter alone is as well a prefix.
         let is_prefix =
             first(symbol) != first(only) && matches!(first(symbol), Some('M' | 'm' | 'P' | 'p' | 'G' | 'g'));
-        // A letter alone is as well a prefix.
         let remedy = (!is_prefix && symbol.chars().count() > 1).then(|| only.clone());
-        return Meant { hint: format!("did you mean `{only}`?"), remedy };
+        return Some(Meant { hint: format!("did you mean `{only}`?"), remedy });
     }
     let sorted = |text: &str| {
         let mut letters: Vec<char> = text.chars().collect();
         letters.sort_unstable();
         letters
     };
-    let is_turned =
-        |known: &&String| known.chars().next() == symbol.chars().next() && sorted(known) == sorted(symbol);
+    let is_turned = |known: &&String| first(known) == first(symbol) && sorted(known) == sorted(symbol);
     let turned: Vec<&String> = symbols.iter().filter(is_turned).collect();
-    if let ([only], true) = (&turned[..], symbol.chars().count() > 2) {
-        return Meant { hint: format!("did you mean `{only}`?"), remedy: Some((*only).clone()) };
+    match turned[..] {
+        [only] if symbol.chars().count() > 2 => {
+            Some(Meant { hint: format!("did you mean `{only}`?"), remedy: Some(only.clone()) })
+        }
+        _ => None,
     }
+}
+
+/// What is like it, if anything is.
+fn guessed(symbol: &str) -> Meant {
+    let symbols = unit_table::symbols();
     let near = closest(symbol, symbols.iter().map(String::as_str));
-    let is_like = |near: &&str| same(near, symbol) || symbol.chars().count() > 3;
-    match (near.filter(is_like), &splits[..]) {
+    let near = near.filter(|near| same(near, symbol) || symbol.chars().count() > 3);
+    match (near, &products(symbol)[..]) {
         (Some(near), _) => Meant::perhaps(format!("did you mean `{near}`?")),
         (None, [(left, right)]) => Meant::perhaps(format!("did you mean `{left}*{right}`?")),
         (None, _) => Meant::perhaps(KNOWN.to_owned()),
