@@ -390,7 +390,7 @@ mod tests {
         // |20 j w + 1|^2 = (1 + w^2)^2 / 2.
         let exact = (399.0 + (399.0_f64.powi(2) + 1.0).sqrt()).sqrt();
         near(bandwidth(&transfer(&[20.0, 1.0], &[1.0, 2.0, 1.0])).unwrap().unwrap(), exact);
-        // The same with a pole of 1e9 rad/s less far away; and what never loses them, as half of it passes at once.
+        // With the zero nine decades below the poles; and what never loses them, as 0.8 of it passes at once.
         near(bandwidth(&transfer(&[1e9, 1.0], &[1.0, 2.0, 1.0])).unwrap().unwrap(), 2.0_f64.sqrt() * 1e9);
         assert_eq!(bandwidth(&transfer(&[0.8, 1.0], &[1.0, 1.0])), Ok(None));
         near(bandwidth(&transfer(&[10.0], &[1.0, 5.0])).unwrap().unwrap(), 5.0);
