@@ -64,6 +64,23 @@ impl Override {
     }
 }
 
+/// A name and those of the members below it: `target[0]` is the member `[0]` of `target`.
+pub(crate) fn members(names: &str) -> Vec<String> {
+    let of_part = |name: &str| {
+        let end = name.find('[').filter(|at| *at > 0).unwrap_or(name.len());
+        let (head, items) = name.split_at(end);
+        let items: Vec<String> = items.split_inclusive(']').map(str::to_owned).collect();
+        std::iter::once(head.to_owned()).chain(items)
+    };
+    names.split('.').flat_map(of_part).collect()
+}
+
+/// Whether a parameter is meant although a block of the diagram bears its name: what the parameter does not have is meant for the
+/// block. `member` is what is named of it.
+pub(crate) fn before_block(value: &Value, member: Option<&String>) -> bool {
+    member.is_none_or(|member| value.get(member).is_some())
+}
+
 /// Takes `target=value` apart.
 pub(crate) fn parse(sources: &Sources, text: &str) -> Result<Override, Problem> {
     let file = sources.hold(Path::new(COMMAND_LINE), text);
@@ -88,15 +105,7 @@ pub(crate) fn parse(sources: &Sources, text: &str) -> Result<Override, Problem> 
         _ if folder > 0 => return Err(fail("which parameter of the block?")),
         _ => (String::new(), target),
     };
-    // `target[0]` is the member `[0]` of `target`.
-    let names: Vec<String> = names
-        .split('.')
-        .flat_map(|name| {
-            let end = name.find('[').filter(|at| *at > 0).unwrap_or(name.len());
-            let (head, items) = name.split_at(end);
-            std::iter::once(head.to_owned()).chain(items.split_inclusive(']').map(str::to_owned))
-        })
-        .collect();
+    let names = members(names);
     if names.iter().any(String::is_empty) {
         return Err(fail("a name is missing"));
     }

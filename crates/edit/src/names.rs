@@ -82,7 +82,7 @@ impl Meant {
     pub(crate) fn in_comments(&self, project: &Project) -> Vec<Spot> {
         let file = |(root, names): (&PathBuf, &'_ Names)| {
             let file = names.files.iter().find(|file| file.path == *root);
-            file.map(|file| comments::spots(project.reader, file, self)).unwrap_or_default()
+            file.map(|file| comments::spots(project.reader, file, self, &names.names)).unwrap_or_default()
         };
         self.models.iter().flat_map(file).collect()
     }

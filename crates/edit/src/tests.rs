@@ -216,6 +216,44 @@ fn panels_follow_what_they_turn_and_show() {
     assert!(text.contains(r#"Knob("k""#), "{text}");
 }
 
+/// A block that bears the name of a parameter has what the parameter does not have, in panels and in comments.
+#[test]
+fn panels_and_comments_name_a_block_that_bears_the_name_of_a_parameter() {
+    let text = r#"// Try --set lag.k=3 or --set lag="3 s" or --set lag.after=1
+Diagram(
+    parameters: { "lag": "2 s", "one": (after: 3) },
+    blocks: {
+        "lag": Step(after: 2), "one": Gain(k: "one.after"), "two": Gain(k: 4), "dead": TransportDelay(delay: "lag"),
+    },
+    connections: ["lag.y -> one.u, two.u", "one.y -> dead.u"],
+    panel: [Slider("lag.after", "0 .. 3"), Knob("lag", "1 s .. 4 s"), Slider("one.after", "0 .. 9"), Slider("two.k", "0 .. 9")],
+    record: ["lag.y", "two.y", "dead.y"],
+)
+"#;
+    let texts = Texts::of(&[("m.ron", text)]);
+    let new = texts.with(&texts.try_it(|p| rename(p, "lag", "start")).expect("a name"));
+    let expected = text
+        .replace("\"lag\": Step", "\"start\": Step")
+        .replace("lag.y", "start.y")
+        .replace("lag.after", "start.after")
+        .replace("lag.k", "start.k");
+    assert_eq!(new.text("m.ron"), expected);
+    // The member of the parameter comes first, and would take what the panel turns.
+    let new = texts.with(&texts.try_it(|p| rename(p, "one", "other")).expect("a name"));
+    assert!(new.text("m.ron").contains("Slider(\"one.after\""), "{}", new.text("m.ron"));
+    let swapped =
+        Texts::of(&[("m.ron", &text.replace("(after: 3)", "(k: 3)").replace("one.after", "one.k"))]);
+    let taken = swapped.try_it(|p| rename(p, "one", "other")).map(|change| swapped.with(&change));
+    let taken =
+        taken.expect("a name").try_it(|p| rename(p, "two", "one")).expect_err("the parameter has `k`");
+    assert!(taken.message.contains("would stand for something else"), "{taken:?}");
+    // In a subsystem it is named by its path.
+    let new = texts.with(&texts.try_it(|p| wrap(p, &["lag".to_owned()], "source")).expect("a block"));
+    let text = new.text("m.ron");
+    assert!(text.contains("Slider(\"source/lag.after\"") && text.contains("Knob(\"lag\""), "{text}");
+    assert!(text.contains("--set source/lag.after=1") && text.contains("--set lag=\"3 s\""), "{text}");
+}
+
 /// A file inside is changed from the model around it, whose panel names what is inside.
 #[test]
 fn panels_of_models_around_follow_as_well() {

@@ -283,6 +283,6 @@ impl<'a> Gathered<'a> {
             }
         };
         let all = self.mentions.iter().map(one).collect();
-        Mentions { symbols, all }
+        Mentions { symbols, all, ..Mentions::default() }
     }
 }

@@ -11,11 +11,17 @@ mod paths;
 #[cfg(test)]
 mod tests;
 
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::rc::Rc;
 
 use blocksim_block::problem::{FileId, Place, Problem};
+use blocksim_signal::Value;
 
+use crate::ast::Ast;
+use crate::overrides::{before_block, members};
 use crate::problems::Problems;
+use crate::scope::Scope;
 use crate::source::Sources;
 use crate::{rates, settings, top};
 use gather::Gathered;
@@ -69,12 +75,14 @@ pub struct Mention {
 }
 
 /// All names of a model.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mentions {
     /// What is declared.
     pub symbols: Vec<Symbol>,
     /// Where it is named, the declarations included, in the order of files and places.
     pub all: Vec<Mention>,
+    /// Values of parameters of the top whose names blocks bear as well.
+    shared: BTreeMap<String, Option<Value>>,
 }
 
 impl Mentions {
@@ -85,6 +93,12 @@ impl Mentions {
             mention.place.file == file && span.start <= byte && byte <= span.end
         };
         self.all.iter().filter(|mention| mention.pattern.is_none()).find(holds)
+    }
+
+    /// Whether a target of `--set` or of a panel that begins with the name of a parameter of the top means it, and not a block that bears the
+    /// same name.
+    pub fn is_of_parameter(&self, target: &str) -> bool {
+        of_parameter(&self.shared, target)
     }
 
     /// Every place that names a symbol.
@@ -107,6 +121,20 @@ pub fn mentions(sources: &Sources, root: &Path) -> (Mentions, Vec<Problem>) {
     rates::rates(&top.model.ast, &top.scope, &settings, &mut others);
     let mut gathered = Gathered::new(sources, sources.log.take(), &top.model);
     gathered.diagrams();
-    paths::paths(&mut gathered, &top.model);
-    (gathered.finish(), problems.sorted())
+    let shared = shared(&top.model.ast, &top.scope);
+    paths::paths(&mut gathered, &top.model, &shared);
+    (Mentions { shared, ..gathered.finish() }, problems.sorted())
+}
+
+/// Values of parameters whose names blocks of the same diagram bear; none of those that have none.
+fn shared(ast: &Ast, scope: &Rc<Scope>) -> BTreeMap<String, Option<Value>> {
+    let names = ast.parameters.iter().map(|(name, _)| &name.text);
+    let names = names.filter(|name| ast.blocks.iter().any(|block| block.name.text == **name));
+    names.map(|name| (name.clone(), scope.value(name).and_then(Result::ok))).collect()
+}
+
+fn of_parameter(shared: &BTreeMap<String, Option<Value>>, target: &str) -> bool {
+    let names = members(target);
+    let known = names.first().and_then(|name| shared.get(name));
+    known.is_none_or(|value| value.as_ref().is_some_and(|value| before_block(value, names.get(1))))
 }

@@ -1,15 +1,19 @@
 //! Names in paths from the top: patterns of `record`, signals and states of `simulation`.
 
+use std::collections::BTreeMap;
+
 use blocksim_block::problem::Place;
+use blocksim_signal::Value;
 
 use super::gather::Gathered;
+use super::of_parameter;
 use crate::ast::PanelWord;
 use crate::flatten::record::matches;
 use crate::model::{Content, Model};
 use blocksim_syntax::{Node, Shape};
 
 /// Finds what the paths at the top name.
-pub(super) fn paths(gathered: &mut Gathered, top: &Model) {
+pub(super) fn paths(gathered: &mut Gathered, top: &Model, shared: &BTreeMap<String, Option<Value>>) {
     let ast = top.ast.clone();
     for pattern in ast.record.iter().flat_map(|entry| &entry.signals) {
         // The place of a text begins with its quote.
@@ -21,8 +25,8 @@ pub(super) fn paths(gathered: &mut Gathered, top: &Model) {
         let shows = matches!(element.kind, PanelWord::Gauge | PanelWord::Lamp);
         let last = if shows { Last::Port } else { Last::Parameter };
         let first = text.split(['.', '[', '/']).next().unwrap_or_default();
-        // A parameter of the diagram is meant before a block of the same name.
-        match ast.parameters.iter().find(|(name, _)| name.text == first && !shows && !text.contains('/')) {
+        let may_be = !shows && !text.contains('/') && of_parameter(shared, text);
+        match ast.parameters.iter().find(|(name, _)| name.text == first && may_be) {
             Some((name, _)) => parameter(gathered, first, &place, &ast.place(&name.span)),
             None => path(gathered, top, text, &place, last),
         }

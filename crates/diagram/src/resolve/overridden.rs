@@ -10,7 +10,7 @@ use blocksim_signal::{Value, closest};
 use super::Resolver;
 use crate::ast::{Ast, BlockAst};
 use crate::model::{Content, Model};
-use crate::overrides::{Override, replace};
+use crate::overrides::{Override, before_block, replace};
 use crate::problems::list;
 use crate::replacing::{Place as Where, Replacing};
 use crate::scope::{Evaluation, Scope, choices};
@@ -132,11 +132,9 @@ impl<'a> Resolver<'a> {
             if !(is_here || is_alike && !over.of_parameter.get()) || !scope.has(&names[0]) {
                 continue;
             }
-            // A block may bear the name of a parameter; what the parameter does not have is meant for the block.
             let is_block = ast.blocks.iter().any(|block| block.name.text == names[0]);
-            let member = names.get(1);
-            let has_member = |value: Value| member.is_none_or(|member| value.get(member).is_some());
-            if is_block && !scope.value(&names[0]).and_then(Result::ok).is_some_and(has_member) {
+            let is_meant = |value: Value| before_block(&value, names.get(1));
+            if is_block && !scope.value(&names[0]).and_then(Result::ok).is_some_and(is_meant) {
                 continue;
             }
             over.used.set(true);

@@ -1,7 +1,7 @@
 //! Comments that show how to `--set` something: `// Try it: --set gear.direction=Reversed`.
 
 use blocksim_block::problem::Place;
-use blocksim_diagram::{Content, Meaning, Model, Reader, SourceFile, Sources, model};
+use blocksim_diagram::{Content, Meaning, Mentions, Model, Reader, SourceFile, Sources, model};
 use blocksim_syntax::Tokens;
 
 use super::{Meant, Spot};
@@ -10,7 +10,7 @@ use super::{Meant, Spot};
 const SET: &str = "--set ";
 
 /// Where the comments of the file of a model name what is meant.
-pub(super) fn spots(reader: &dyn Reader, file: &SourceFile, meant: &Meant) -> Vec<Spot> {
+pub(super) fn spots(reader: &dyn Reader, file: &SourceFile, meant: &Meant, names: &Mentions) -> Vec<Spot> {
     let text = &*file.text;
     if !text.contains(SET) {
         return Vec::new();
@@ -26,7 +26,7 @@ pub(super) fn spots(reader: &dyn Reader, file: &SourceFile, meant: &Meant) -> Ve
             let target = behind.trim_start_matches([' ', '"', '\'', '`']);
             let start = comment.start() + at + SET.len() + behind.len() - target.len();
             let target = &target[..target.find(|sign: char| !is_of_target(sign)).unwrap_or(target.len())];
-            let named = named(&top, &sources, target, meant)
+            let named = named(&top, &sources, target, meant, names)
                 .map(|(from, to)| (file.path.clone(), start + from, start + to));
             found.extend(named);
         }
@@ -39,7 +39,13 @@ fn is_of_target(sign: char) -> bool {
 }
 
 /// The part of a target that names what is meant: `arm` of `arm/link3.drive`.
-fn named(top: &Model, sources: &Sources, target: &str, meant: &Meant) -> Option<(usize, usize)> {
+fn named(
+    top: &Model,
+    sources: &Sources,
+    target: &str,
+    meant: &Meant,
+    names: &Mentions,
+) -> Option<(usize, usize)> {
     let is_declared = |place: &Place| {
         let path = sources.file(place.file).path;
         // The place of a name has its quotes.
@@ -50,8 +56,8 @@ fn named(top: &Model, sources: &Sources, target: &str, meant: &Meant) -> Option<
     };
     let first = target.split(['/', '.', '[']).next()?;
     let parameter = top.ast.parameters.iter().find(|(name, _)| name.text == first);
-    if let (Some((name, _)), false) = (parameter, target.contains('/')) {
-        // A parameter comes before a block of its name.
+    let may_be = !target.contains('/') && names.is_of_parameter(target);
+    if let (Some((name, _)), true) = (parameter, may_be) {
         let is_it = meant.meaning == Meaning::Parameter && is_declared(&top.ast.place(&name.span));
         return is_it.then_some((0, first.len()));
     }
