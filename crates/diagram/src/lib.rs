@@ -243,7 +243,7 @@ pub fn compile_and_keep(sources: &Sources, root: &Path, options: &Options) -> (O
             infer::infer(&flat, &mut problems);
         }
         if !model.ast.panel.is_empty() {
-            let all = targets::of_instances(sources, &resolver.instances.borrow());
+            let all = targets::of_instances(sources, &resolver.instances.borrow(), &resolver.chosen.borrow());
             let schedule = compiled.schedule.as_ref();
             compiled.panel = panel::panel(&model.ast, &scope, &all, schedule, &mut problems);
         }

@@ -26,12 +26,22 @@ pub(crate) struct Override {
     pub file: FileId,
     /// The value as RON, if it is.
     pub node: Node,
-    /// Whether something had this name.
-    pub used: Cell<bool>,
+    /// Who had this name.
+    pub used: RefCell<Used>,
     /// Whether a parameter of the top diagram had it.
     pub of_parameter: Cell<bool>,
     /// What the value was taken for: `45 deg`.
     pub meant: RefCell<Option<String>>,
+}
+
+/// Who had the name of an override, so far.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) enum Used {
+    #[default]
+    Never,
+    /// Alternatives alone that are not built, such as this one: "`dc` of `motor`".
+    Apart(String),
+    Here,
 }
 
 /// A value of `--set`, as it was understood.
@@ -125,7 +135,7 @@ pub(crate) fn parse(sources: &Sources, text: &str) -> Result<Override, Problem> 
         names,
         file,
         node: Node { span, value },
-        used: Cell::new(false),
+        used: RefCell::default(),
         of_parameter: Cell::new(false),
         meant: RefCell::default(),
     })

@@ -1,5 +1,6 @@
 //! What is wrong with a diagram is said with place, reason and remedy, and all of it at once.
 
+use blocksim_diagram::{Sources, targets};
 use blocksim_tests::{Desk, compile_text, compile_with};
 use expect_test::{Expect, expect};
 use std::path::Path;
@@ -448,6 +449,59 @@ fn variants_must_have_the_same_ports_and_an_alternative_that_exists() {
           help: did you mean `which`?
     "#]]
     .assert_eq(&problems);
+}
+
+/// Alternatives that are not chosen can be set, for runs that choose them, but it is not left unsaid that this changes nothing.
+#[test]
+fn what_the_command_line_sets_in_another_alternative_changes_nothing() {
+    let part = r#"Diagram(parameters: { "k": 1 }, inputs: { "u": () }, outputs: { "y": "g.y" }, blocks: { "g": Gain(k: "k") }, connections: ["in.u -> g.u"])"#;
+    let desk = Desk::new().with("part.ron", part).with(
+        "model.ron",
+        r#"Diagram(
+    parameters: { "which": Choice(default: "a", of: ["a", "b", "c"]), "inner": Choice(default: "p", of: ["p", "q"]) },
+    blocks: {
+        "s": Step(),
+        "x": Variant(choice: "which", of: {
+            "a": Gain(k: 2),
+            "b": Variant(choice: "inner", of: { "p": LowPass(tau: "1 s"), "q": Delay(steps: 3, ts: "1 s") }),
+            "c": Subsystem(file: "part.ron"),
+        }),
+        "t": Terminator,
+    },
+    connections: ["s.y -> x.u", "x.y -> t.u"],
+)"#,
+    );
+    let problems = |sets: &[&str]| compile_with(&desk, Path::new("model.ron"), sets).1;
+    for sets in [
+        ["x.k=3"].as_slice(),
+        &["x.tau=2 s", "which=b"],
+        &["x.steps=2", "which=b", "inner=q"],
+        &["x.k=3", "which=c"],
+        &["x/g.k=3", "which=c"],
+    ] {
+        assert_eq!(problems(sets), "", "{sets:?}");
+    }
+    expect![[r#"
+        warning[unused_parameter]: `x.tau` is in the alternative `b` of `x`, which is not chosen, so this changes nothing
+          command line:1:1 `x.tau=2 s` 
+          help: `blocksim params list MODEL` lists what can be set, with the values
+    "#]]
+    .assert_eq(&problems(&["x.tau=2 s"]));
+    expect![[r#"
+        warning[unused_parameter]: `x.steps` is in the alternative `q` of `x`, which is not chosen, so this changes nothing
+          command line:1:1 `x.steps=2` 
+          help: `blocksim params list MODEL` lists what can be set, with the values
+    "#]]
+    .assert_eq(&problems(&["x.steps=2", "which=b"]));
+    let apart = problems(&["x/g.k=3"]);
+    assert!(apart.contains("`x/g.k` is in the alternative `c` of `x`, which is not chosen"), "{apart}");
+    // What is chosen can be looked up, and is written where it stands.
+    let sources = Sources::new(&desk);
+    let (targets, _) = targets(&sources, Path::new("model.ron"));
+    let names: Vec<&str> = targets.iter().map(|target| target.name.as_str()).collect();
+    assert_eq!(names, ["which", "inner", "s.time", "s.before", "s.after", "x.k", "x.multiplication"]);
+    let site = &targets[5].site.place;
+    assert_eq!(&sources.file(site.file).text[site.span.clone()], "2");
 }
 
 #[test]

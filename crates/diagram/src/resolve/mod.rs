@@ -19,7 +19,7 @@ use foldhash::HashMap;
 
 use crate::ast::{Ast, BlockAst, parse};
 use crate::model::{Content, Model, ModelBlock};
-use crate::overrides::Override;
+use crate::overrides::{Override, Used};
 use crate::problems::Problems;
 use crate::scope::{Evaluation, Scope, read_tree};
 use crate::source::Sources;
@@ -36,6 +36,15 @@ pub(crate) struct Instance<'a> {
     pub scope: Rc<Scope<'a>>,
     /// Who built it; nobody the top.
     pub giver: Option<Giver<'a>>,
+}
+
+/// A block of the library in the place of a variant.
+pub(crate) struct Chosen<'a> {
+    /// Path of the variant.
+    pub path: String,
+    pub block: BlockAst,
+    pub file: FileId,
+    pub scope: Rc<Scope<'a>>,
 }
 
 /// The block that makes a diagram, which may give it parameters.
@@ -60,6 +69,10 @@ pub(crate) struct Resolver<'a> {
     pub problems: RefCell<Problems>,
     /// The diagrams that were built, each before those inside it.
     pub instances: RefCell<Vec<Instance<'a>>>,
+    /// Blocks of the library that variants have chosen, in the order in which they were built.
+    pub chosen: RefCell<Vec<Chosen<'a>>>,
+    /// The alternative that is not chosen and just read, where one is.
+    apart: RefCell<Option<String>>,
     /// Parameters of diagrams that the command line has replaced: which of the overrides, in which diagram, and the path there.
     replaced: RefCell<Vec<(usize, Rc<Scope<'a>>, String)>>,
     /// Whether a bare number has no unit, rather than an open one.
@@ -91,6 +104,8 @@ impl<'a> Resolver<'a> {
             blocks: Cell::default(),
             memory: Cell::default(),
             instances: RefCell::default(),
+            chosen: RefCell::default(),
+            apart: RefCell::default(),
             replaced: RefCell::default(),
             strict: false,
             asts: RefCell::default(),
@@ -168,7 +183,7 @@ impl<'a> Resolver<'a> {
         let (ast, scope) = self.parameters(file)?;
         self.built(Instance { path: String::new(), ast: ast.clone(), scope: scope.clone(), giver: None });
         let model = self.model(&ast, &scope, "", &[file]);
-        for unused in self.overrides.iter().filter(|o| !o.used.get()) {
+        for unused in self.overrides.iter().filter(|over| *over.used.borrow() == Used::Never) {
             self.report(self.unknown_override(unused, &model, &scope));
         }
         Some((model, scope))

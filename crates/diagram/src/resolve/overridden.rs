@@ -10,7 +10,7 @@ use blocksim_signal::{Value, closest};
 use super::Resolver;
 use crate::ast::{Ast, BlockAst};
 use crate::model::{Content, Model};
-use crate::overrides::{Override, before_block, replace};
+use crate::overrides::{Override, Used, before_block, replace};
 use crate::problems::list;
 use crate::replacing::{Place as Where, Replacing};
 use crate::scope::{Evaluation, Scope, choices};
@@ -43,7 +43,7 @@ impl<'a> Resolver<'a> {
                 if let (Some((_, node)), []) = (inner, rest)
                     && let Shape::Map(members) | Shape::Struct(None, members) = &mut node.value
                 {
-                    over.used.set(true);
+                    self.uses(over);
                     let old = members.iter().find(|(name, _)| name.text == *first).map(|(_, node)| node);
                     let old =
                         old.map(|node| Where { scope: scope.clone(), file, node: Rc::new(node.clone()) });
@@ -54,7 +54,7 @@ impl<'a> Resolver<'a> {
                 continue;
             };
             if rest.is_empty() {
-                over.used.set(true);
+                self.uses(over);
                 let text = !parameter.unit.is_empty()
                     || ["f64", "String", "usize", "u32", "ParamValue", "Entries"]
                         .iter()
@@ -72,6 +72,16 @@ impl<'a> Resolver<'a> {
             }
         }
         parameters
+    }
+
+    /// Something has the name of an override, here or in an alternative that is not built.
+    fn uses(&self, over: &Override) {
+        let used = match &*self.apart.borrow() {
+            Some(_) if *over.used.borrow() == Used::Here => return,
+            Some(alternative) => Used::Apart(alternative.clone()),
+            None => Used::Here,
+        };
+        over.used.replace(used);
     }
 
     /// What a new value means; a problem is reported.
@@ -137,7 +147,7 @@ impl<'a> Resolver<'a> {
             if is_block && !scope.value(&names[0]).and_then(Result::ok).is_some_and(is_meant) {
                 continue;
             }
-            over.used.set(true);
+            self.uses(over);
             over.of_parameter.set(path.is_empty());
             let declared =
                 ast.parameters.iter().find(|(name, _)| name.text == names[0]).map(|(_, node)| node);

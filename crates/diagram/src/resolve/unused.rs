@@ -7,6 +7,7 @@ use blocksim_block::problem::{FileId, Problem};
 use blocksim_signal::closest;
 
 use super::Resolver;
+use crate::overrides::{Override, Used};
 use crate::scope::{Scope, described};
 use blocksim_syntax::{Node, Shape};
 
@@ -23,7 +24,8 @@ impl Resolver<'_> {
         // What is declared may have been read by what is replaced: only the new values are looked at.
         let replaced = self.replaced.borrow();
         let unread = replaced.iter().filter(|(_, scope, path)| !is_read(scope, path));
-        unread.map(|(index, scope, path)| self.without_effect(*index, scope, path)).collect()
+        let unread = unread.map(|(index, scope, path)| self.without_effect(*index, scope, path));
+        unread.chain(self.overrides.iter().filter_map(not_chosen)).collect()
     }
 
     fn without_effect(&self, index: usize, scope: &Rc<Scope>, path: &str) -> Problem {
@@ -65,6 +67,17 @@ impl Resolver<'_> {
         }
         problems
     }
+}
+
+/// That a value of the command line is for an alternative that is not built.
+fn not_chosen(over: &Override) -> Option<Problem> {
+    let Used::Apart(alternative) = &*over.used.borrow() else { return None };
+    let target = over.target();
+    let told = format!(
+        "`{target}` is in the alternative {alternative}, which is not chosen, so this changes nothing"
+    );
+    let problem = Problem::warning("unused_parameter", told).at(&over.place(), "");
+    Some(problem.help("`blocksim params list MODEL` lists what can be set, with the values"))
 }
 
 fn is_read(scope: &Scope, path: &str) -> bool {

@@ -3,10 +3,11 @@
 use std::ops::Range;
 use std::rc::Rc;
 
+use blocksim_block::BlockInfo;
 use blocksim_block::problem::{FileId, Problem};
 use blocksim_signal::{Value, closest};
 
-use super::{HIERARCHY, Resolver};
+use super::{Chosen, HIERARCHY, Resolver};
 use crate::ast::{Ast, BlockAst, parse};
 use crate::mentions::Event;
 use crate::model::{Content, ModelBlock, VariantChoice};
@@ -65,11 +66,21 @@ impl<'a> Resolver<'a> {
         }
         // All alternatives are read and checked; one is kept.
         let build = |block: &BlockAst| {
-            let before = self.instances.borrow().len();
-            let built = self.block(ast, block, scope, path.to_owned(), stack);
-            if block.name.text != chosen {
-                self.instances.borrow_mut().truncate(before);
+            if block.name.text == chosen {
+                if BlockInfo::find(&block.kind.text).is_some() {
+                    let (block, scope) = (block.clone(), scope.clone());
+                    let chosen = Chosen { path: path.to_owned(), block, file: ast.file, scope };
+                    self.chosen.borrow_mut().push(chosen);
+                }
+                return self.block(ast, block, scope, path.to_owned(), stack);
             }
+            let before = (self.instances.borrow().len(), self.chosen.borrow().len());
+            let around = self.apart.borrow().clone();
+            self.apart.borrow_mut().get_or_insert_with(|| format!("`{}` of `{path}`", block.name.text));
+            let built = self.block(ast, block, scope, path.to_owned(), stack);
+            self.apart.replace(around);
+            self.instances.borrow_mut().truncate(before.0);
+            self.chosen.borrow_mut().truncate(before.1);
             built
         };
         self.sources.log.note(Event::Variant {

@@ -13,7 +13,7 @@ use blocksim_block::problem::{Place, Problem};
 use blocksim_signal::Value;
 
 use crate::replacing::WrittenUnit;
-use crate::resolve::Instance;
+use crate::resolve::{Chosen, Instance};
 use crate::source::Sources;
 
 pub use find::{Found, below, find};
@@ -69,8 +69,12 @@ pub struct Site {
 }
 
 /// All targets of diagrams that were built, in the order of the texts.
-pub(crate) fn of_instances<'a>(sources: &'a Sources<'a>, instances: &[Instance<'a>]) -> Vec<Target> {
-    walk::of_instances(sources, instances)
+pub(crate) fn of_instances<'a>(
+    sources: &'a Sources<'a>,
+    instances: &[Instance<'a>],
+    chosen: &[Chosen<'a>],
+) -> Vec<Target> {
+    walk::of_instances(sources, instances, chosen)
 }
 
 /// All targets of a diagram, or of a file of values, in the order of the texts; and the problems found on the way.

@@ -13,7 +13,7 @@ use super::{Origin, Site, Spelling, Target};
 use crate::ast::BlockAst;
 use crate::problems::Problems;
 use crate::replacing::{Place as Where, WrittenUnit};
-use crate::resolve::{Instance, Resolver};
+use crate::resolve::{Chosen, Instance, Resolver};
 use crate::scope::{Evaluation, Scope, described, read_tree};
 use crate::source::Sources;
 use blocksim_syntax::{Name, Node, Shape};
@@ -49,15 +49,24 @@ pub(super) fn targets(sources: &Sources, root: &Path) -> (Vec<Target>, Vec<Probl
     }
     let resolver = Resolver::new(sources, Vec::new());
     resolver.top(file);
-    let found = of_instances(sources, &resolver.instances.take());
+    let found = of_instances(sources, &resolver.instances.take(), &resolver.chosen.take());
     problems.extend(resolver.problems.take().sorted());
     (found, problems.sorted())
 }
 
-pub(super) fn of_instances<'a>(sources: &'a Sources<'a>, instances: &[Instance<'a>]) -> Vec<Target> {
+pub(super) fn of_instances<'a>(
+    sources: &'a Sources<'a>,
+    instances: &[Instance<'a>],
+    chosen: &[Chosen<'a>],
+) -> Vec<Target> {
     let mut walk = Walk { sources, found: Vec::new() };
     for instance in instances {
         walk.instance(instance, instances);
+    }
+    for Chosen { path, block, file, scope } in chosen {
+        let Some(info) = BlockInfo::find(&block.kind.text) else { continue };
+        let stand = Stand { file: *file, scope, sharers: sharers(instances, *file), depth: 0 };
+        walk.block(&stand, path, block, info);
     }
     // Where a block bears the name of a parameter, the parameter is meant first.
     let mut seen = HashSet::new();
@@ -70,6 +79,11 @@ struct Walk<'a> {
     found: Vec<Target>,
 }
 
+/// How many diagrams are made of a file.
+fn sharers(all: &[Instance], file: FileId) -> usize {
+    all.iter().filter(|other| other.ast.file == file).count()
+}
+
 /// Where a value stands.
 struct Stand<'w, 'a> {
     file: FileId,
@@ -80,7 +94,7 @@ struct Stand<'w, 'a> {
 
 impl<'a> Walk<'a> {
     fn instance(&mut self, instance: &Instance<'a>, all: &[Instance<'a>]) {
-        let sharers = |file: FileId| all.iter().filter(|other| other.ast.file == file).count();
+        let sharers = |file: FileId| sharers(all, file);
         let prefix = |name: &str| match instance.path.is_empty() {
             true => name.to_owned(),
             false => format!("{}.{name}", instance.path),
