@@ -231,6 +231,44 @@ fn reactive_power_and_slip_are_those_of_the_grid_behind_sensors_and_contacts() {
     }
 }
 
+/// Nothing is known of the frequency of three single sources: what magnetises the machine is positive all the same, in both senses.
+#[test]
+fn reactive_power_keeps_its_sign_in_a_start_at_single_sources() {
+    for (b, c) in [(-30.0, -150.0), (-150.0, -30.0)] {
+        let run = run_text(&format!(
+            r#"Diagram(
+                simulation: (stop_time: "0.3 s", solver: Dop853(rtol: 1e-10), output: Every("1 ms")),
+                blocks: {{
+                    "a": AcVoltageSource(amplitude: Rms("220 V / 3 ^ 0.5"), frequency: "60 Hz", phase: "90 deg"),
+                    "b": AcVoltageSource(amplitude: Rms("220 V / 3 ^ 0.5"), frequency: "60 Hz", phase: "{b} deg"),
+                    "c": AcVoltageSource(amplitude: Rms("220 V / 3 ^ 0.5"), frequency: "60 Hz", phase: "{c} deg"),
+                    "join": PhaseSplitter, "ground": ElectricalReference,
+                    "machine": {DIRECT}, "load": Inertia(j: "0.1 kg*m^2"), "housing": RotationalReference,
+                    "source": ThreePhaseSource(voltage: "220 V", frequency: "{frequency} Hz"),
+                    "known": {DIRECT}, "same": Inertia(j: "0.1 kg*m^2"), "show": Scope(inputs: ["q", "known", "w", "power"]),
+                }},
+                connections: [
+                    "a.n <-> b.n", "a.n <-> c.n", "a.n <-> ground.p", "a.p <-> join.a", "b.p <-> join.b", "c.p <-> join.c",
+                    "join.ac <-> machine.ac", "machine.r <-> load.r", "machine.c <-> housing.r", "source.ac <-> known.ac",
+                    "known.r <-> same.r", "known.c <-> housing.r", "machine.reactive_power -> show.q",
+                    "known.reactive_power -> show.known", "machine.velocity -> show.w", "machine.power -> show.power",
+                ],
+            )"#,
+            frequency = if b > c { 60 } else { -60 },
+        ));
+        let largest = run.column("show.known").iter().copied().fold(0.0, f64::max);
+        for (k, (found, expected)) in run.column("show.q").iter().zip(run.column("show.known")).enumerate() {
+            assert!(
+                (found - expected).abs() < 1e-6 * largest,
+                "{found} var, not {expected}, at {} s",
+                run.time[k]
+            );
+        }
+        let end = run.column("show.w").last().copied().unwrap_or_default();
+        assert!(if b > c { end > 10.0 } else { end < -10.0 }, "{end} rad/s");
+    }
+}
+
 const DIRECT: &str = r#"AsynchronousMachine(
     rated_power: "15 kVA", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 2, r_s: "0.25 Ohm", x_ls: "0.9 Ohm",
     r_r: "0.14 Ohm", x_lr: "0.41 Ohm", x_m: "17.0 Ohm", connection: Wye, impedances: Ohm,

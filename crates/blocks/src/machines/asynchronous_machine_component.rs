@@ -132,24 +132,35 @@ impl Motor {
         (TAU * c.supply.frequency / self.base.w, self.base.speed * c.speed[0])
     }
 
-    /// Speed of the supply in per unit where its frequency is known, else of the flux of the rotor: voltages that are switched turn in jumps.
-    fn field_speed(&self, c: &Fed) -> f64 {
-        let (w, w_r) = self.speeds(c);
+    /// Speed of the supply in per unit, where its frequency is known.
+    fn supply_speed(&self, c: &Fed) -> Option<f64> {
+        let (w, _) = self.speeds(c);
         let turning = |frequency: f64| TAU * frequency / self.base.w;
         match c.supply.field {
-            _ if w != 0.0 => w,
-            Field::Turns(frequency) if frequency != 0.0 => turning(frequency),
+            _ if w != 0.0 => Some(w),
+            Field::Turns(frequency) if frequency != 0.0 => Some(turning(frequency)),
             Field::Either(frequency) if frequency != 0.0 => {
-                let v = Complex::from_vector(c.supply.voltage.map(|v| self.voltage * v));
-                turning(frequency.abs()).copysign(self.machine.stator_flux_turn(c.x, v))
+                Some(turning(frequency.abs()).copysign(self.stator_flux_turn(c)))
             }
-            _ => self.machine.rotor_flux_speed(c.x, w_r),
+            _ => None,
         }
     }
 
-    /// Slip against the field.
+    fn stator_flux_turn(&self, c: &Fed) -> f64 {
+        let v = Complex::from_vector(c.supply.voltage.map(|v| self.voltage * v));
+        self.machine.stator_flux_turn(c.x, v)
+    }
+
+    /// Whether the field turns backward. Where nothing is known of the supply the flux of the stator shows it, from the first instant of a
+    /// start: that of the rotor follows late.
+    fn turns_backward(&self, c: &Fed) -> bool {
+        self.supply_speed(c).unwrap_or_else(|| self.stator_flux_turn(c)) < 0.0
+    }
+
+    /// Slip against the supply, else against the flux of the rotor: voltages that are switched turn in jumps.
     fn slip(&self, c: &Fed) -> f64 {
-        let (w, w_r) = (self.field_speed(c), self.speeds(c).1);
+        let (_, w_r) = self.speeds(c);
+        let w = self.supply_speed(c).unwrap_or_else(|| self.machine.rotor_flux_speed(c.x, w_r));
         if w.abs() < STANDSTILL { 0.0 } else { 1.0 - w_r / w }
     }
 }
@@ -259,7 +270,7 @@ impl Component for Motor {
         y[out::SLIP] = self.slip(c);
         let p = v.dot(i) + 2.0 * v_0 * i_0;
         // What magnetises a winding is positive, whichever way the field turns.
-        let q = -v.cross(i) * if self.field_speed(c) < 0.0 { -1.0 } else { 1.0 };
+        let q = -v.cross(i) * if self.turns_backward(c) { -1.0 } else { 1.0 };
         let s = 2.0 * (mean_square(v, v_0) * mean_square(i, i_0)).sqrt();
         let powers = [out::PU_POWER, out::PU_REACTIVE_POWER, out::PU_APPARENT_POWER];
         let in_watts = [out::POWER, out::REACTIVE_POWER, out::APPARENT_POWER];
