@@ -101,6 +101,12 @@ pub trait Block: Any + Debug + Send + Sync {
         f64::INFINITY
     }
 
+    /// The next time after `c.t` at which the block would change if it ran, while it does not. Nothing happens then, but an instant that
+    /// others bring about, and that differs from it by rounding alone, is meant to be the same and takes place at the later one of both.
+    fn pending_event(&self, _c: &Context) -> f64 {
+        f64::INFINITY
+    }
+
     /// The next time after `c.t`, before its next sample hit, at which the block wants `update` once more, because its sample time is
     /// too coarse for the moment. It is hit exactly, but is no event: nothing is recorded for its sake. At that very time it is still
     /// the answer. Only when the interface says `subdivides`.

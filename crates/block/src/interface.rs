@@ -263,6 +263,8 @@ pub struct Interface {
     pub ring: Option<Ring>,
     /// Has `next_event`.
     pub time_events: bool,
+    /// Has `pending_event`.
+    pub pending_events: bool,
     /// Discrete states hold times for which it waits: a subsystem that pauses it stops its time.
     pub waits: bool,
     /// Has `next_update` and `tolerate`.
@@ -496,6 +498,12 @@ impl Interface {
     /// Has `next_event`.
     pub fn time_events(mut self) -> Self {
         self.time_events = true;
+        self
+    }
+
+    /// Has `pending_event`.
+    pub fn pending_events(mut self) -> Self {
+        self.pending_events = true;
         self
     }
 

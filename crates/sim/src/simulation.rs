@@ -75,6 +75,8 @@ pub struct Simulation {
     pub(crate) grid: Option<Grid>,
     /// Next time event of each block that has some.
     pub(crate) event_times: Vec<f64>,
+    /// The next time of each block that would change if it ran.
+    pub(crate) pending_times: Vec<f64>,
     /// When a block updates next between its hits.
     pub(crate) next_update: f64,
     /// Whether the first major step is done.
@@ -211,6 +213,7 @@ impl Simulation {
             past: Past::new(&schedule),
             grid,
             event_times: vec![f64::INFINITY; diagram.plan.timed.len()],
+            pending_times: vec![f64::INFINITY; diagram.plan.pending.len()],
             next_update: f64::INFINITY,
             started: false,
             unasked: 0,
@@ -311,6 +314,7 @@ impl Simulation {
     pub(crate) fn next_stop(&mut self, end: f64) -> Result<Stop, SimError> {
         self.diagram
             .next_events(&mut self.event_times)
+            .and_then(|()| self.diagram.pending_events(&mut self.pending_times))
             .map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))?;
         if let Some(i) = self.event_times.iter().position(|&next| next.is_nan() || next <= self.t) {
             return Err(self.event_in_the_past(self.diagram.plan.timed[i], self.event_times[i]));

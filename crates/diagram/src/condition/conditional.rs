@@ -156,7 +156,12 @@ impl Conditional {
                 d[stopped] = c.t;
             }
         } else if d[stopped] != RUNNING {
-            d[behind] += c.t - d[stopped];
+            let own = d[stopped] - d[behind];
+            d[behind] = c.t - own;
+            // It goes on where it stopped, and not a rounding before: the block has been there.
+            while c.t - d[behind] < own {
+                d[behind] = d[behind].next_down();
+            }
             d[stopped] = RUNNING;
         }
     }
@@ -248,11 +253,15 @@ impl Block for Conditional {
                 interface.subdivides = true;
             }
             interface.guards.clear();
+            interface.pending_events = interface.time_events;
             interface.time_events = false;
             interface.period = None;
             interface.turning_inputs.clear();
         }
+        interface.pending_events |= interface.time_events;
         if self.own_time {
+            // Its time stands still, so that nothing is pending at any time of the others.
+            interface.pending_events = false;
             interface.settles = true;
             interface.settling = interface.settling.map(|_| (0..interface.groups.len()).collect());
             interface = interface.discrete("behind", 0.0).discrete("stopped", RUNNING);
@@ -380,6 +389,10 @@ impl Block for Conditional {
             t = t.next_up();
         }
         t
+    }
+
+    fn pending_event(&self, c: &Context) -> f64 {
+        if Self::runs(c) && !self.triggered { f64::INFINITY } else { self.inner.next_event(&self.looking(c)) }
     }
 
     fn accept(&self, c: &Context, d: &mut [f64]) -> bool {

@@ -112,6 +112,18 @@ impl Diagram {
         Ok(())
     }
 
+    /// The next time of each block in `Plan::pending`.
+    pub fn pending_events(&mut self, times: &mut [f64]) -> Result<(), Failed> {
+        for (i, time) in times.iter_mut().enumerate() {
+            let block = self.plan.pending[i];
+            let Self { plan, now, signals, d, .. } = self;
+            let unit = &plan.units[block];
+            *time = unit.block.pending_event(&now.context(unit, signals, &d[unit.d.range()]));
+            self.checked(block)?;
+        }
+        Ok(())
+    }
+
     /// The first time at which a block updates between its hits.
     pub fn next_update(&mut self) -> Result<f64, Failed> {
         let mut first = f64::INFINITY;

@@ -153,6 +153,8 @@ pub(crate) struct Plan {
     pub holding: Vec<usize>,
     pub remembering: Vec<usize>,
     pub timed: Vec<usize>,
+    /// Blocks with `pending_event`.
+    pub pending: Vec<usize>,
     pub updated: Vec<Updated>,
     /// Blocks that may update between their hits.
     pub subdividing: Vec<usize>,
@@ -230,6 +232,7 @@ impl Plan {
             remembering: chosen(&|b| b.interface.remembers.is_some()),
             subdividing: chosen(&|b| b.interface.subdivides),
             timed: chosen(&|b| b.interface.time_events),
+            pending: chosen(&|b| b.interface.pending_events),
             busy: busy(schedule, &updated),
             bending: bending(schedule, &acting),
             acting,

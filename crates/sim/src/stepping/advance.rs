@@ -5,7 +5,7 @@ use crate::events::crossings::{Cut, phrase, summary, verb};
 use crate::events::guards::Stride;
 use crate::events::pace::Flood;
 use crate::events::rhythm::Accumulation;
-use crate::stepping::clock::{Grid, earliest};
+use crate::stepping::clock::{Grid, at_pending, earliest};
 use crate::stepping::major::Arrival;
 use crate::{Observer, SimError, Simulation, diagnose};
 
@@ -29,6 +29,8 @@ impl Stop {
         let times = sim.hits.times().iter().chain(&sim.event_times).copied();
         // What is due at the end may lie behind it by rounding: an edge at 3 * 1.1 s belongs to a run of 3.3 s.
         let t = earliest(times.chain([end, step, sim.past.kink, sim.next_update]), sim.resolution);
+        // A block may begin to run at the instant at which it changes, which is the later one of both.
+        let t = at_pending(t, &sim.pending_times, sim.resolution);
         let is_due = |time: f64| time <= t + sim.resolution.same(t);
         Self {
             t,

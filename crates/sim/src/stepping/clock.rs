@@ -109,6 +109,12 @@ pub(crate) fn earliest(times: impl Iterator<Item = f64> + Clone, resolution: Res
     times.filter(|&t| t <= first + resolution.same(first)).fold(first, f64::max)
 }
 
+/// An instant, or the latest of the pending times behind it that are meant to be equal to it.
+pub(crate) fn at_pending(t: f64, pending: &[f64], resolution: Resolution) -> f64 {
+    let same = t + resolution.same(t);
+    pending.iter().copied().filter(|&time| time <= same).fold(t, f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use blocksim_block::schedule::Rate;
@@ -152,6 +158,14 @@ mod tests {
         let short = Resolution::new(1e-9);
         assert_eq!(earliest([0.3e-9, 0.3e-9 + 1e-15].into_iter(), short), 0.3e-9);
         assert_eq!(earliest([0.3e-9, 1e-9 * sum].into_iter(), short), 1e-9 * sum);
+    }
+
+    #[test]
+    fn an_instant_is_that_of_what_is_pending_there_but_for_rounding() {
+        let sum = 0.1 + 0.2;
+        let at = |pending: &[f64]| at_pending(0.3, pending, Resolution::default());
+        assert_eq!(at(&[sum, f64::INFINITY]), sum);
+        assert_eq!([at(&[]), at(&[0.3_f64.next_down()]), at(&[0.3 + 1e-9]), at(&[0.1])], [0.3; 4]);
     }
 
     #[test]
