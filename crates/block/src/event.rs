@@ -19,6 +19,8 @@ pub enum Event {
     },
     /// Not at all: a discrete state or a jump of the block has the words for what follows.
     Mode,
+    /// Not at all: nothing happens there, the law only bends, and a step ends.
+    Bend,
 }
 
 /// One way in which a discrete state may change.

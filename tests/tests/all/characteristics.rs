@@ -295,3 +295,71 @@ fn a_diode_that_begins_to_conduct_is_seen_by_all_stiff_methods() {
         assert!((found / v_c - 1.0).abs() < 3e-4, "{method}: {found}, but {v_c}");
     }
 }
+
+const ALL: [&str; 10] =
+    ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "RosW3", "Ode23t", "Ode23tb"];
+
+/// Nothing depends on the source while the diode blocks, so errors ask for no short steps; it conducts for a tenth of the longest step that a
+/// source allows. References: backward Euler with a bisection for the junction, of two step sizes, extrapolated.
+#[test]
+fn a_rectifier_charges_its_capacitor_with_every_method() {
+    let reference = |r: f64, c: f64, r_s: f64| {
+        let (i_s, scale, g) = (1e-14, 1.380_649e-23 * 300.15 / 1.602_176_634e-19, 1e-12);
+        let end = |steps: u32| {
+            let h = 0.1 / f64::from(steps);
+            (1..=steps).fold(0.0, |v: f64, k| {
+                let e = 10.0 * (std::f64::consts::TAU * 50.0 * h * f64::from(k)).sin();
+                let i = |j: f64| i_s * (j / scale).exp_m1() + g * j;
+                let next = |j: f64| (v + h / c * i(j)) / (1.0 + h / (r * c));
+                next(root(|j| j + r_s * i(j) + next(j) - e, -30.0, 1.2))
+            })
+        };
+        2.0 * end(40_000) - end(20_000)
+    };
+    for (r, c, r_s) in [(1e3, 1e-3, 0.2), (200.0, 4.7e-3, 0.05), (1e4, 1e-4, 0.05), (200.0, 1e-3, 0.2)] {
+        let expected = reference(r, c, r_s);
+        for method in ALL {
+            let run = circuit(
+                &format!(r#"stop_time: "0.1 s", solver: {method}(rtol: 1e-6)"#),
+                &format!(
+                    r#""e": AcVoltageSource(amplitude: Peak("10 V"), frequency: "50 Hz"), "d": ExponentialDiode(r_s: {r_s}),
+                       "c": Capacitor(c: {c}), "r": Resistor(r: {r})"#
+                ),
+                r#""e.p <-> d.p", "d.n <-> c.p <-> r.p", "e.n <-> c.n <-> r.n <-> g.p", "c.v -> s.v""#,
+                r#""v""#,
+            );
+            let found = run.column("s.v").last().copied().unwrap_or_default();
+            assert!(
+                (found - expected).abs() < 5e-4,
+                "{method}, {r} ohm, {c} F, {r_s} ohm: {found} V, not {expected} V"
+            );
+        }
+    }
+}
+
+/// A varistor passes the peaks of a source to a capacitor in the same way.
+#[test]
+fn a_varistor_charges_a_capacitor_with_the_peaks_of_a_source() {
+    let (r, c, v_1, i_1, alpha) = (50.0, 2e-4, 200.0, 1e-3, 30.0);
+    let end = |steps: u32| {
+        let h = 0.045 / f64::from(steps);
+        (1..=steps).fold(0.0, |v: f64, k| {
+            let e = 325.0 * (std::f64::consts::TAU * 50.0 * h * f64::from(k)).sin();
+            let i = |u: f64| i_1 * u.signum() * (u / v_1).abs().powf(alpha) + u / 1e8;
+            let next = |u: f64| v + h / c * i(u);
+            next(root(|u| u + r * i(u) + next(u) - e, -400.0, 400.0))
+        })
+    };
+    let expected = 2.0 * end(40_000) - end(20_000);
+    for method in ALL {
+        let run = circuit(
+            &format!(r#"stop_time: "45 ms", solver: {method}(rtol: 1e-6)"#),
+            r#""e": AcVoltageSource(amplitude: Peak("325 V"), frequency: "50 Hz"), "z": Varistor(v_1: "200 V"), "r": Resistor(r: "50 ohm"),
+               "c": Capacitor(c: "200 uF")"#,
+            r#""e.p <-> z.p", "z.n <-> r.p", "r.n <-> c.p", "e.n <-> c.n <-> g.p", "c.v -> s.v""#,
+            r#""v""#,
+        );
+        let found = run.column("s.v").last().copied().unwrap_or_default();
+        assert!((found - expected).abs() < 2e-2, "{method}: {found} V, not {expected} V");
+    }
+}

@@ -37,7 +37,7 @@ const MORE: [&str; 23] = [
 ];
 
 /// Kinds that have guards or modes: who adds one adds it here, and none may get lost.
-const WATCHED: [&str; 53] = [
+const WATCHED: [&str; 55] = [
     "Abs",
     "Accumulator",
     "Atan2",
@@ -53,6 +53,7 @@ const WATCHED: [&str; 53] = [
     "DirectionalValve",
     "DutyCycles",
     "ElasticGear",
+    "ExponentialDiode",
     "Function",
     "HBridgePwm",
     "HitCrossing",
@@ -91,6 +92,7 @@ const WATCHED: [&str; 53] = [
     "TranslationalSpringDamper",
     "VariableOrifice",
     "VariableTransportDelay",
+    "Varistor",
 ];
 
 /// The guards and discrete states of a block, and the words for its friction.
@@ -122,7 +124,7 @@ fn reads(words: &str) -> bool {
 fn phrases(interface: &Interface) -> Vec<&'static str> {
     let of_guard = |guard: &Guard| match guard.event {
         Event::Crossing { upwards, downwards } => vec![upwards, downwards],
-        Event::Name | Event::Mode => Vec::new(),
+        Event::Name | Event::Mode | Event::Bend => Vec::new(),
     };
     let changes = interface.discrete.iter().filter_map(|state| state.changes.as_ref());
     let of_modes = changes.flat_map(|changes| changes.table.iter().map(|change| change.phrase));

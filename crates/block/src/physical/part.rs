@@ -279,6 +279,13 @@ impl Part {
         self
     }
 
+    /// Adds a guard of a bend: where a smooth law grows so steeply that between two looks nothing of it may be seen. Steps end there as at a
+    /// kink, which is no event.
+    pub fn bend(mut self, name: impl Into<String>) -> Self {
+        self.guards.push(Guard { event: Event::Bend, ..Guard::of_kink(name) });
+        self
+    }
+
     /// Has [`Component::guards_of_state`](super::Component::guards_of_state) in the place of `guards`, so that no torques have to be known
     /// for them.
     pub fn guards_of_state(mut self) -> Self {

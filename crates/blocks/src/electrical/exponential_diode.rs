@@ -15,7 +15,8 @@ const CHARGE: f64 = 1.602_176_634e-19;
 ///
 /// $$ i = i_s \left(e^{v_j / (n v_T)} - 1\right) + g v_j, \qquad v_T = \frac{k T}{q}, \qquad v = v_j + r_s i $$
 ///
-/// It does not switch and has no events. For power electronics, where only the forward voltage counts, `Diode` is faster.
+/// It does not switch and has no events; steps end where its current passes every third power of ten or so above $i_s$, since a
+/// pulse of current between two looks at a source would be missed. For power electronics, where only the forward voltage counts, `Diode` is faster.
 /// There is no junction capacitance and no breakdown; connect a `Capacitor` or a `Varistor` in parallel.
 ///
 /// ```ron
@@ -41,6 +42,10 @@ pub struct ExponentialDiode {
     pub g: f64,
 }
 
+/// Where steps end: voltages of the junction in multiples of the one over which the current grows by e. From one to the next the current grows
+/// by a few thousand, so that a pulse from one is seen before it is much larger.
+const BENDS: [f64; 5] = [8.0, 16.0, 24.0, 32.0, 40.0];
+
 impl ExponentialDiode {
     /// Voltage over which the current grows by e, V.
     fn scale(&self) -> f64 {
@@ -59,7 +64,9 @@ impl Component for ExponentialDiode {
         };
         // Between that of a junction which conducts and that of the leakage: rounding harms neither much.
         let junction = Element::Characteristic { p: Pin::Inner(0), n, conductance: 1e-4, guess: 0.0 };
-        part.named(JUNCTION, junction)
+        (0..BENDS.len())
+            .fold(part, |part, k| part.bend(format!("bend[{k}]")))
+            .named(JUNCTION, junction)
             .named(WHOLE, Element::VoltageProbe { p, n })
             .reads("i", "A", Reading::Current(JUNCTION), "current from p (anode) to n (cathode)")
             .reads("v", "V", Reading::Voltage(WHOLE), "voltage from p to n")
@@ -70,6 +77,11 @@ impl Component for ExponentialDiode {
         let scale = self.scale();
         curves.current(JUNCTION, self.i_s * (v / scale).exp_m1() + self.g * v);
         curves.slope(JUNCTION, JUNCTION, self.i_s / scale * (v / scale).exp() + self.g);
+    }
+
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
+        let v = c.voltage(JUNCTION) / self.scale();
+        g.iter_mut().zip(BENDS).for_each(|(g, bend)| *g = v - bend);
     }
 
     fn energy(&self, c: &Flowing) -> Energy {

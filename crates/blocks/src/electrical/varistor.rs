@@ -9,7 +9,7 @@ const BODY: Handle = Handle::new("body");
 /// $$ i = i_1 \operatorname{sign}(v) \left|\frac{v}{v_1}\right|^\alpha + \frac{v}{r} $$
 ///
 /// Data sheets give $v_1$ at $i_1 = 1\,\mathrm{mA}$; $\alpha$ is 20 to 50 for zinc oxide. The leakage $r$ keeps the slope above
-/// zero where the power is flat.
+/// zero where the power is flat. Steps end where the power is $i_1$, or a few thousand times more or less, which is no event.
 ///
 /// ```ron
 /// Varistor(v_1: "20 V", alpha: 25.0)
@@ -31,11 +31,16 @@ pub struct Varistor {
     pub r: f64,
 }
 
+/// Where steps end: shares of `v_1` at which the power is `e^-8`, 1, `e^8` and `e^16` times the current `i_1`; a surge between two looks at a
+/// source would be missed.
+const BENDS: [f64; 4] = [-8.0, 0.0, 8.0, 16.0];
+
 impl Component for Varistor {
     fn part(&self, _given: &Given) -> Part {
         let conductance = self.i_1 / self.v_1 + 1.0 / self.r;
-        Part::new()
-            .pins()
+        let part = Part::new().pins();
+        (0..BENDS.len())
+            .fold(part, |part, k| part.bend(format!("bend[{k}]")))
             .named(
                 BODY,
                 Element::Characteristic { p: Pin::Port(0), n: Pin::Port(1), conductance, guess: 0.0 },
@@ -50,6 +55,11 @@ impl Component for Varistor {
         let slope = self.i_1 / self.v_1 * (v / self.v_1).abs().powf(self.alpha - 1.0);
         curves.current(BODY, slope * v + v / self.r);
         curves.slope(BODY, BODY, self.alpha * slope + 1.0 / self.r);
+    }
+
+    fn guards(&self, c: &Flowing, g: &mut [f64]) {
+        let v = c.voltage(BODY).abs() / self.v_1;
+        g.iter_mut().zip(BENDS).for_each(|(g, bend)| *g = v - (bend / self.alpha).exp());
     }
 
     fn energy(&self, c: &Flowing) -> Energy {

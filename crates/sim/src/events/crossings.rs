@@ -69,7 +69,7 @@ pub(crate) fn verb(guard: &Guard, upwards: bool) -> Option<&str> {
         Event::Name => Some(&guard.name),
         Event::Crossing { upwards: verb, .. } if upwards || guard.crossing == Crossing::Peak => Some(verb),
         Event::Crossing { downwards, .. } => Some(downwards),
-        Event::Mode => None,
+        Event::Mode | Event::Bend => None,
     }
 }
 
@@ -80,6 +80,7 @@ pub(crate) fn summary(block: &Instance, guard: &Guard) -> String {
         Event::Name => format!("crosses zero at its guard `{}`", guard.name),
         Event::Crossing { upwards, downwards } if upwards == downwards => upwards.to_owned(),
         Event::Crossing { upwards, downwards } => format!("{upwards} and {downwards}"),
+        Event::Bend => "meets a steep part of its law".to_owned(),
         Event::Mode => {
             let modes = block.interface.discrete.iter().filter_map(|state| state.changes.as_deref());
             let own = modes.clone().find(|changes| changes.subject == guard.subject);
