@@ -99,6 +99,33 @@ fn the_states_of_a_transfer_function_are_kept() {
     }
 }
 
+/// With a grid of rows nobody has to look at the steps between them: who wants to change something is heard at the same step all the same.
+#[test]
+fn a_change_comes_at_the_first_step_that_reaches_it_with_rows_on_a_grid_as_well() {
+    for solver in
+        ["Ode45", "Auto", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "RosW3", "Ode23t", "Ode23tb"]
+    {
+        let text = |k: f64, output: &str| {
+            format!(
+                r#"Diagram(simulation: (stop_time: "10 s", solver: {solver}(rtol: 1e-7){output}), blocks: {{
+                    "x": Integrator(x0: 1), "v": Integrator, "k": Gain(k: {k}), "s": Scope(inputs: ["x"]) }},
+                   connections: ["v.y -> x.u", "x.y -> k.u, s.x", "k.y -> v.u"])"#
+            )
+        };
+        let at = |output: &str| tuned(&text(-10.0, output), &text(-20.0, output), 2.0);
+        let ((_, every), (rows, t)) = (at(""), at(r#", output: Every("10 ms")"#));
+        assert_eq!(every, t, "{solver}");
+        assert!((2.0..2.2).contains(&t), "{solver}: {t} s");
+        let (w, faster) = (10.0_f64.sqrt(), 20.0_f64.sqrt());
+        let (x, v) = ((w * t).cos(), -w * (w * t).sin());
+        for (time, row) in rows.iter().filter(|(time, _)| *time > t) {
+            let since = time - t;
+            let exact = x * (faster * since).cos() + v / faster * (faster * since).sin();
+            assert!((row[0] - exact).abs() < 2e-4, "{solver}: {} instead of {exact} at {time} s", row[0]);
+        }
+    }
+}
+
 #[test]
 fn a_gain_acts_from_its_change_on() {
     for (solver, tolerance) in [

@@ -21,7 +21,7 @@ pub trait Observer {
     /// the path and begins with a verb: `switches on`, `touches the upper end (axis 2)`.
     fn event(&mut self, _t: f64, _path: &str, _what: &str) {}
 
-    /// Whether the observer wants the run to stop here, at the end of a major step. It is asked once at each time.
+    /// Whether the observer wants the run to stop here, at the end of a step. It is asked at the end of every step.
     fn is_waiting(&self, _t: f64) -> bool {
         false
     }

@@ -66,6 +66,8 @@ impl Simulation {
             }
             // When what is remembered of this step comes out again is not known before.
             let every = self.diagram.plan.every_step || self.rows.grid.is_none() || self.past.is_new();
+            // Who wants the run to stop at a time waits for the first step that reaches it.
+            let every = every || observer.is_waiting(self.t);
             let major = self.t >= stop.t || arrival.cut || arrival.event || every || self.is_impatient();
             self.record_within(if major { self.t - self.same() } else { self.t }, observer)?;
             self.record_between(start, observer);
