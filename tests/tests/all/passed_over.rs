@@ -75,3 +75,48 @@ fn an_edge_at_the_end_of_a_run_belongs_to_it() {
     assert!((run.last("show.sum") - 3.3).abs() < 1e-12, "{}", run.last("show.sum"));
     assert!((run.time[run.time.len() - 1] - 3.3).abs() < 1e-15);
 }
+
+/// A signal that crosses zero the other way within a step and then jumps back has been on the far side: whoever waits for the jump's direction
+/// sees it, wherever steps end.
+#[test]
+fn a_jump_back_is_seen_by_who_waits_for_its_direction() {
+    for (sign, edge) in [(1.0, "Falling"), (-1.0, "Rising")] {
+        for solver in
+            ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "RosW3", "Ode23t", "Ode23tb"]
+        {
+            for late in [1e-6, 1e-3, 0.02, 0.2] {
+                for stop in ["Step", "Pulse", "hit"] {
+                    let down = match stop {
+                        "Step" => {
+                            format!(r#""down": Step(time: "{} s", after: {})"#, 1.0 + late, -5.0 * sign)
+                        }
+                        "Pulse" => format!(
+                            r#""down": Pulse(period: "100 s", width: 0.5, delay: "{} s", amplitude: {})"#,
+                            1.0 + late,
+                            -5.0 * sign
+                        ),
+                        _ => format!(
+                            r#""now": Step(time: "0.5 s", after: {}), "down": ZeroOrderHold(ts: "{} s")"#,
+                            -5.0 * sign,
+                            1.0 + late
+                        ),
+                    };
+                    let hold = if stop == "hit" { r#""now.y -> down.u","# } else { "" };
+                    let text = format!(
+                        r#"Diagram(simulation: (stop_time: "2 s", solver: {solver}), blocks: {{
+                            "up": Ramp(slope: {sign}, initial: {}), {down}, "u": Sum(signs: "++"), "one": Constant(value: 1),
+                            "hits": HitCrossing(direction: {edge}), "counter": Counter(edge: {edge}), "x": Integrator(reset: {edge}),
+                            "s": Scope(inputs: ["hits", "counter", "x"]) }},
+                          connections: [{hold} "up.y -> u.u1", "down.y -> u.u2", "u.y -> hits.u, counter.u, x.reset", "one.y -> x.u",
+                            "hits.count -> s.hits", "counter.count -> s.counter", "x.y -> s.x"])"#,
+                        -sign
+                    );
+                    let run = run_text(&text);
+                    let last = |name: &str| run.column(name).last().copied().unwrap_or(f64::NAN);
+                    assert_eq!((last("s.hits"), last("s.counter")), (1.0, 1.0), "{solver} {text}");
+                    assert!((last("s.x") - (1.0 - late)).abs() < 1e-9, "{solver}: {} {text}", last("s.x"));
+                }
+            }
+        }
+    }
+}

@@ -753,3 +753,26 @@ fn a_limiter_that_has_nothing_to_do_pauses_as_often_as_it_likes() {
         }
     }
 }
+
+/// A trigger that crosses zero the other way within a step and then jumps back is seen, wherever steps end.
+#[test]
+fn a_trigger_that_jumps_back_across_zero_is_seen() {
+    for (sign, edge) in [(1.0, "Falling"), (-1.0, "Rising")] {
+        for solver in ["Auto", "Ode45", "Ode15s", "Radau5", "Rodas4"] {
+            for late in [1e-6, 1e-3, 0.02, 0.2] {
+                let model = format!(
+                    r#"Diagram(simulation: (stop_time: "2 s", solver: {solver}), blocks: {{
+                        "up": Ramp(slope: {sign}, initial: {}), "down": Step(time: "{} s", after: {}), "u": Sum(signs: "++"),
+                        "time": Clock, "s": Subsystem(file: "sub.ron", trigger: {edge}), "show": Scope(inputs: ["y"]) }},
+                      connections: ["up.y -> u.u1", "down.y -> u.u2", "u.y -> s.trigger", "time.y -> s.u", "s.y -> show.y"])"#,
+                    -sign,
+                    1.0 + late,
+                    -5.0 * sign
+                );
+                let run = run(&[("model.ron", &model), ("sub.ron", GAIN)]);
+                let found = run.last("show.y");
+                assert!((found - 2.0 * (1.0 + late)).abs() < 1e-9, "{solver}: {found} at {late} s");
+            }
+        }
+    }
+}

@@ -209,7 +209,7 @@ impl Guards {
             self.at(end, diagram, stride)?;
             let mut crossed = false;
             for i in 0..self.fired.len() {
-                self.fired[i] = self.events[i].happens(self.start[i], self.trial[i]);
+                self.fired[i] = self.counts(i).happens(self.start[i], self.trial[i]);
                 crossed |= self.fired[i];
             }
             return Ok(Some(Cut { t: end, crossed }));

@@ -73,6 +73,9 @@ pub(crate) struct Guards {
     /// Which guards are those of kinks, and whether these are passed over in this step.
     pub kinks: Vec<bool>,
     pub deaf: bool,
+    /// Whether signals may jump where the step at hand ends. Who waits for one direction remembers on which side a signal was, and must have
+    /// seen it there: a signal that crosses the other way and jumps back would seem never to have left.
+    pub jumps: bool,
 }
 
 /// How many guards are looked at abreast.
@@ -133,6 +136,7 @@ impl Guards {
             chatter: (f64::NEG_INFINITY, 0),
             kinks: vec![false; guards],
             deaf: false,
+            jumps: false,
         }
     }
 
@@ -165,10 +169,27 @@ impl Guards {
             let counts = if both && !matches!(events, Crossing::Holds | Crossing::Peak) {
                 Crossing::Either
             } else {
-                events
+                self.counts(i)
             };
             counts.happens(self.start[i], values[i])
         })
+    }
+
+    /// Which crossings of guard `i` end the step at hand.
+    pub fn counts(&self, i: usize) -> Crossing {
+        match self.events[i] {
+            Crossing::Rising | Crossing::Falling if self.jumps => Crossing::Either,
+            events => events,
+        }
+    }
+
+    /// Whether guard `i`, which has fired, has done so in the direction that it waits for.
+    pub fn is_awaited(&self, i: usize) -> bool {
+        match self.events[i] {
+            Crossing::Rising => self.rises(i),
+            Crossing::Falling => !self.rises(i),
+            _ => true,
+        }
     }
 
     /// Values of the guards at a point within the step.

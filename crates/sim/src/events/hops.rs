@@ -50,9 +50,10 @@ impl Simulation {
         let mut all = 0..guards.events.len();
         let found = match cut {
             None => (all.find(|&i| guards.hops[i] && is_beyond(guards.events[i], guards.end[i])), early),
-            Some(cut) if cut.crossed && cut.t < early => {
-                (all.find(|&i| guards.fired[i] && directed(i)), t0 + 0.25 * (cut.t - t0))
-            }
+            Some(cut) if cut.crossed && cut.t < early => (
+                all.find(|&i| guards.fired[i] && directed(i) && guards.is_awaited(i)),
+                t0 + 0.25 * (cut.t - t0),
+            ),
             Some(_) => (None, early),
         };
         found.0.filter(|_| found.1 > t0 && self.stepper.is_some()).map(|i| (i, found.1))

@@ -116,6 +116,7 @@ impl Simulation {
     fn cut(&mut self, t0: f64, limit: f64, observer: &mut dyn Observer) -> Result<Arrival, SimError> {
         let mut arrival = Arrival::default();
         self.note_hops();
+        self.guards.jumps = self.t >= limit;
         let cut = self.crossing(t0)?;
         let mut cut = self.leave_flatly(t0, cut)?;
         self.find_hops(t0, cut)?;
@@ -123,6 +124,7 @@ impl Simulation {
             && self.stops_at_kink(t0, before)
         {
             self.repeat(t0, before.t)?;
+            self.guards.jumps = self.t >= limit;
             cut = self.crossing(t0)?;
         }
         let cut = self.confirm(t0, cut)?;
@@ -182,6 +184,7 @@ impl Simulation {
             for (place, guard) in instance.interface.guards.iter().enumerate() {
                 let i = instance.g + place;
                 if guards.fired[i]
+                    && guards.is_awaited(i)
                     && let Some(verb) = verb(guard, guards.rises(i))
                 {
                     observer.event(*t, phrase(words, instance, &guard.subject, verb), words);
