@@ -407,6 +407,32 @@ fn two_pins_go_into_a_circuit_in_series_and_others_hang_on_it() {
     assert_eq!(texts.try_it(|p| connect(p, "l.n", "ground.p")).expect("joined").texts, []);
 }
 
+/// Two connections make one node, by way of `r2.p`.
+const NODE: &str = r#"Diagram(
+    ports: { "out": "r4.p" },
+    blocks: {
+        "v": VoltageSource(v: "5 V"),
+        "r1": Resistor(r: "1 ohm"),
+        "r2": Resistor(r: "1 ohm"),
+        "r3": Resistor(r: "1 ohm"),
+        "r4": Resistor(r: "1 ohm"),
+    },
+    connections: [
+        "r1.n <-> r2.p <-> v.p", // one
+        "r2.p <-> r3.p <-> r4.p", // other
+        "v.n <-> r2.n",
+    ],
+)
+"#;
+
+#[test]
+fn a_port_that_is_handed_outward_is_connected_without_a_wire() {
+    let texts = Texts::of(&[("m.ron", NODE)]);
+    let notes = |end: &str| texts.try_it(|p| disconnect_end(p, end)).expect("a wire").notes;
+    assert_eq!(notes("r4.p"), [""; 0]);
+    assert_eq!(notes("v.n"), ["not connected any more: `r2.n`, `v.n`"]);
+}
+
 #[test]
 fn blocks_become_a_subsystem_with_ports_for_the_wires_that_cross_the_border() {
     let texts = servo();
