@@ -15,7 +15,7 @@ use crate::change::{Change, Draft};
 use crate::complete::kind;
 use crate::connect::section;
 use crate::delete::wires;
-use crate::ends::End;
+use crate::ends::{End, written};
 use crate::names::check_name;
 use crate::project::{Level, Project, With, split};
 use crate::refusal::Refusal;
@@ -95,7 +95,7 @@ fn typed(text: &str) -> String {
 }
 
 /// A value that was typed for a parameter, as it is written in a diagram.
-fn written(kind: &str, parameter: &str, typed: &str) -> String {
+fn as_written(kind: &str, parameter: &str, typed: &str) -> String {
     let typed = typed.trim();
     let quoted = || format!("\"{}\"", typed.replace('\\', "\\\\").replace('"', "\\\""));
     match read(typed).map(|node| node.value) {
@@ -214,7 +214,7 @@ fn block(info: &BlockInfo, new: &NewBlock) -> Result<String, Refusal> {
             return Err(Refusal::new(format!("`{}` has no parameter `{name}`", info.kind))
                 .help(format!("its parameters are {}", names.join(", "))));
         }
-        given.push((name.clone(), written(info.kind, name, value)));
+        given.push((name.clone(), as_written(info.kind, name, value)));
     }
     for parameter in info.parameters.iter().filter(|parameter| parameter.default.is_none()) {
         if given.iter().any(|(name, _)| name == parameter.name) {
@@ -372,6 +372,15 @@ fn into_signal(
     let all: Vec<usize> = (0..wires.len())
         .filter(|at| wires.wire(*at) == Wire::Signal && wires.ends(*at).first() == Some(&source.as_str()))
         .collect();
+    let handed: Vec<_> =
+        level.model.ast.outputs.iter().filter(|(_, reference)| written(reference) == source).collect();
+    let is_driven = |end: &End| match end {
+        End::Output(name) => handed.iter().any(|(known, _)| known.text == *name),
+        end => end.written().is_some_and(|end| all.iter().any(|at| wires.ends(*at)[1..].contains(&&*end))),
+    };
+    if let Some(missing) = to.iter().find(|end| !is_driven(end)) {
+        return Err(Refusal::new(format!("`{source}` does not drive `{}`", missing.shown())));
+    }
     let Some(output) = &ports.output else {
         // It only looks.
         match all.last() {
@@ -381,42 +390,34 @@ fn into_signal(
         return Ok(Vec::new());
     };
     let output = format!("{name}.{output}");
-    let chosen: Vec<String> = to.iter().filter_map(End::written).collect();
-    let is_chosen = |end: &str| to.is_empty() || chosen.iter().any(|known| known == end);
+    let is_chosen =
+        |end: &str| to.is_empty() || to.iter().any(|known| known.written().as_deref() == Some(end));
     let mut moved: Vec<String> = Vec::new();
     let mut first = None;
     for at in all {
-        let ends: Vec<String> = wires.ends(at).into_iter().map(str::to_owned).collect();
-        let mut is_led = first.is_some();
-        let mut gone = Vec::new();
-        for (n, end) in ends.iter().enumerate().skip(1).filter(|(_, end)| is_chosen(end)) {
-            moved.push(end.clone());
-            if is_led {
-                gone.push(n);
-            } else {
-                wires.replace(at, n, &input);
-                is_led = true;
-                first = Some(at);
-            }
+        let chosen: Vec<usize> =
+            (1..).zip(&wires.ends(at)[1..]).filter(|(_, end)| is_chosen(end)).map(|(n, _)| n).collect();
+        let Some((&place, others)) = chosen.split_first() else { continue };
+        // A connection that goes on with the signal of the new block alone stays where it is, with its comment.
+        if first.is_some() && chosen.len() + 1 == wires.ends(at).len() {
+            wires.replace(at, 0, &output);
+            continue;
         }
-        wires.remove(at, |n, _| gone.contains(&n));
-    }
-    let mut splices = Vec::new();
-    for (known, reference) in &level.model.ast.outputs {
-        let here = std::iter::once(reference.block.as_str())
-            .chain(std::iter::once(reference.port.as_str()))
-            .chain(reference.elements.iter().map(String::as_str))
-            .collect::<Vec<_>>()
-            .join(".");
-        let is_named = to.iter().any(|end| *end == End::Output(known.text.clone()));
-        if here == source && (to.is_empty() || is_named) {
-            splices.push(Splice::new(reference.span.clone(), output.clone()));
+        moved.extend(chosen.iter().map(|n| wires.ends(at)[*n].to_owned()));
+        if first.is_none() {
+            wires.replace(at, place, &input);
+            first = Some(at);
+            wires.remove(at, |n, _| others.contains(&n));
+        } else {
+            wires.remove(at, |n, _| chosen.contains(&n));
         }
     }
-    let missing: Vec<&String> = chosen.iter().filter(|end| !moved.contains(end)).collect();
-    if let Some(missing) = missing.first() {
-        return Err(Refusal::new(format!("`{source}` does not drive `{missing}`")));
-    }
+    let is_named = |name: &str| to.iter().any(|end| *end == End::Output(name.to_owned()));
+    let splices: Vec<Splice> = handed
+        .iter()
+        .filter(|(known, _)| to.is_empty() || is_named(&known.text))
+        .map(|(_, reference)| Splice::new(reference.span.clone(), output.clone()))
+        .collect();
     if moved.is_empty() && splices.is_empty() {
         return Err(Refusal::new(format!("`{source}` drives nothing"))
             .help("add the block beside another, then connect it"));

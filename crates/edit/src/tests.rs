@@ -434,6 +434,38 @@ fn a_port_that_is_handed_outward_is_connected_without_a_wire() {
 }
 
 #[test]
+fn what_is_put_into_a_wire_takes_the_targets_that_its_source_drives() {
+    let text = r#"Diagram(
+    outputs: { "y": "a.y", "z": "b.y" },
+    blocks: { "a": Gain(k: 1), "b": Gain(k: 1), "c": Gain(k: 1), "d": Gain(k: 1), "e": Gain(k: 1) },
+    connections: [
+        "a.y -> b.u, c.u", // one
+        "a.y -> d.u", // other
+        "b.y -> e.u",
+    ],
+)
+"#;
+    let texts = Texts::of(&[("m.ron", text)]);
+    let with = |kind, into: &[&str]| {
+        let into: Vec<String> = into.iter().map(|end| (*end).to_owned()).collect();
+        let change =
+            texts.try_it(|p| add(p, &NewBlock { kind, name: "n", into: &into, ..NewBlock::default() }));
+        change.map(|change| texts.with(&change).text("m.ron").to_owned())
+    };
+    let all = with("Abs", &["a.y"]).expect("a wire");
+    let lines = "\"a.y -> n.u\", // one\n        \"n.y -> b.u, c.u\",\n        \"n.y -> d.u\", // other\n";
+    assert!(all.contains(lines) && all.contains("\"y\": \"n.y\", \"z\": \"b.y\""), "{all}");
+    for (kind, into, reason) in [
+        ("Abs", ["a.y", "e.u"], "`a.y` does not drive `e.u`"),
+        ("Terminator", ["a.y", "e.u"], "`a.y` does not drive `e.u`"),
+        ("Abs", ["a.y", "out.z"], "`a.y` does not drive `out.z`"),
+    ] {
+        let refusal = with(kind, &[&into[..], &["c.u"]].concat()).expect_err(reason);
+        assert_eq!(refusal.message, reason);
+    }
+}
+
+#[test]
 fn blocks_become_a_subsystem_with_ports_for_the_wires_that_cross_the_border() {
     let texts = servo();
     let blocks = ["error", "gain", "angle"].map(str::to_owned);
