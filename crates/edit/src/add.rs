@@ -7,15 +7,15 @@ use blocksim_block::BlockInfo;
 use blocksim_block::physical::Domain;
 use blocksim_block::problem::{Problem, Severity};
 use blocksim_diagram::{
-    Content, Model, ModelBlock, PortKind, SIMULATION, SourceFile, Sources, Step, model, words,
+    Content, Model, ModelBlock, PortKind, Reference, SIMULATION, SourceFile, Sources, Step, model, words,
 };
-use blocksim_syntax::{Shape, read};
+use blocksim_syntax::{Name, Shape, read};
 
 use crate::change::{Change, Draft};
 use crate::complete::kind;
 use crate::connect::section;
 use crate::delete::wires;
-use crate::ends::End;
+use crate::ends::{End, written};
 use crate::names::check_name;
 use crate::project::{Level, Project, With, split};
 use crate::refusal::Refusal;
@@ -35,7 +35,8 @@ pub struct NewBlock<'n> {
     /// The name of the block that it stands behind in the text; nothing for the last, or for the source of the wire.
     pub beside: &'n str,
     /// Ends of the wire that it is put into: the source, and the targets that it drives then; all of them if none are named. Of
-    /// conserving ports the first stays on the one side, the others go to the other. Nothing if it stands alone.
+    /// conserving ports the first stays on the one side with all that is joined to it, but for the others, which go to the other
+    /// side. Nothing if it stands alone.
     pub into: &'n [String],
 }
 
@@ -95,7 +96,7 @@ fn typed(text: &str) -> String {
 }
 
 /// A value that was typed for a parameter, as it is written in a diagram.
-fn written(kind: &str, parameter: &str, typed: &str) -> String {
+fn as_written(kind: &str, parameter: &str, typed: &str) -> String {
     let typed = typed.trim();
     let quoted = || format!("\"{}\"", typed.replace('\\', "\\\\").replace('"', "\\\""));
     match read(typed).map(|node| node.value) {
@@ -214,7 +215,7 @@ fn block(info: &BlockInfo, new: &NewBlock) -> Result<String, Refusal> {
             return Err(Refusal::new(format!("`{}` has no parameter `{name}`", info.kind))
                 .help(format!("its parameters are {}", names.join(", "))));
         }
-        given.push((name.clone(), written(info.kind, name, value)));
+        given.push((name.clone(), as_written(info.kind, name, value)));
     }
     for parameter in info.parameters.iter().filter(|parameter| parameter.default.is_none()) {
         if given.iter().any(|(name, _)| name == parameter.name) {
@@ -341,7 +342,9 @@ fn into_wire(
     let mut splices = Vec::new();
     match from.kind(level)? {
         PortKind::Output => splices.extend(into_signal(level, &mut wires, name, ports, from, to)?),
-        PortKind::Conserving(domain) => into_net(&mut wires, name, ports, domain, from, to)?,
+        PortKind::Conserving(domain) => {
+            splices.extend(into_node(level, &mut wires, name, ports, domain, from, to)?);
+        }
         PortKind::Input | PortKind::Anything => {
             return Err(Refusal::new(format!("`{}` drives nothing", from.shown()))
                 .help("a wire is named by the output that it comes from"));
@@ -372,6 +375,15 @@ fn into_signal(
     let all: Vec<usize> = (0..wires.len())
         .filter(|at| wires.wire(*at) == Wire::Signal && wires.ends(*at).first() == Some(&source.as_str()))
         .collect();
+    let handed: Vec<_> =
+        level.model.ast.outputs.iter().filter(|(_, reference)| written(reference) == source).collect();
+    let is_driven = |end: &End| match end {
+        End::Output(name) => handed.iter().any(|(known, _)| known.text == *name),
+        end => end.written().is_some_and(|end| all.iter().any(|at| wires.ends(*at)[1..].contains(&&*end))),
+    };
+    if let Some(missing) = to.iter().find(|end| !is_driven(end)) {
+        return Err(Refusal::new(format!("`{source}` does not drive `{}`", missing.shown())));
+    }
     let Some(output) = &ports.output else {
         // It only looks.
         match all.last() {
@@ -381,42 +393,34 @@ fn into_signal(
         return Ok(Vec::new());
     };
     let output = format!("{name}.{output}");
-    let chosen: Vec<String> = to.iter().filter_map(End::written).collect();
-    let is_chosen = |end: &str| to.is_empty() || chosen.iter().any(|known| known == end);
+    let is_chosen =
+        |end: &str| to.is_empty() || to.iter().any(|known| known.written().as_deref() == Some(end));
     let mut moved: Vec<String> = Vec::new();
     let mut first = None;
     for at in all {
-        let ends: Vec<String> = wires.ends(at).into_iter().map(str::to_owned).collect();
-        let mut is_led = first.is_some();
-        let mut gone = Vec::new();
-        for (n, end) in ends.iter().enumerate().skip(1).filter(|(_, end)| is_chosen(end)) {
-            moved.push(end.clone());
-            if is_led {
-                gone.push(n);
-            } else {
-                wires.replace(at, n, &input);
-                is_led = true;
-                first = Some(at);
-            }
+        let chosen: Vec<usize> =
+            (1..).zip(&wires.ends(at)[1..]).filter(|(_, end)| is_chosen(end)).map(|(n, _)| n).collect();
+        let Some((&place, others)) = chosen.split_first() else { continue };
+        // A connection that goes on with the signal of the new block alone stays where it is, with its comment.
+        if first.is_some() && chosen.len() + 1 == wires.ends(at).len() {
+            wires.replace(at, 0, &output);
+            continue;
         }
-        wires.remove(at, |n, _| gone.contains(&n));
-    }
-    let mut splices = Vec::new();
-    for (known, reference) in &level.model.ast.outputs {
-        let here = std::iter::once(reference.block.as_str())
-            .chain(std::iter::once(reference.port.as_str()))
-            .chain(reference.elements.iter().map(String::as_str))
-            .collect::<Vec<_>>()
-            .join(".");
-        let is_named = to.iter().any(|end| *end == End::Output(known.text.clone()));
-        if here == source && (to.is_empty() || is_named) {
-            splices.push(Splice::new(reference.span.clone(), output.clone()));
+        moved.extend(chosen.iter().map(|n| wires.ends(at)[*n].to_owned()));
+        if first.is_none() {
+            wires.replace(at, place, &input);
+            first = Some(at);
+            wires.remove(at, |n, _| others.contains(&n));
+        } else {
+            wires.remove(at, |n, _| chosen.contains(&n));
         }
     }
-    let missing: Vec<&String> = chosen.iter().filter(|end| !moved.contains(end)).collect();
-    if let Some(missing) = missing.first() {
-        return Err(Refusal::new(format!("`{source}` does not drive `{missing}`")));
-    }
+    let is_named = |name: &str| to.iter().any(|end| *end == End::Output(name.to_owned()));
+    let splices: Vec<Splice> = handed
+        .iter()
+        .filter(|(known, _)| to.is_empty() || is_named(&known.text))
+        .map(|(_, reference)| Splice::new(reference.span.clone(), output.clone()))
+        .collect();
     if moved.is_empty() && splices.is_empty() {
         return Err(Refusal::new(format!("`{source}` drives nothing"))
             .help("add the block beside another, then connect it"));
@@ -432,14 +436,74 @@ fn into_signal(
     Ok(splices)
 }
 
-fn into_net(
+/// What a conserving end belongs to: all ends that connections join to it, and the ports that hand one of them outward.
+struct Node<'l> {
+    ends: Vec<String>,
+    outward: Vec<&'l (Name, Reference)>,
+}
+
+impl<'l> Node<'l> {
+    fn of(level: &Level<'l>, wires: &Wires, end: &End) -> Node<'l> {
+        let ports = &level.model.ast.ports;
+        let first = match end {
+            End::Port(name) => ports.iter().find(|(known, _)| known.text == *name).map(|(_, at)| written(at)),
+            end => end.written(),
+        };
+        let ends = first.map_or(Vec::new(), |first| wires.joined(&first));
+        let outward = ports.iter().filter(|(_, reference)| ends.contains(&written(reference))).collect();
+        Node { ends, outward }
+    }
+
+    fn has(&self, end: &End) -> bool {
+        match end {
+            End::Port(name) => self.outward.iter().any(|(known, _)| known.text == *name),
+            end => end.written().is_some_and(|end| self.ends.contains(&end)),
+        }
+    }
+
+    /// Splits it in two: some ends go to a new one on the far side, all others stay with one on the near side. The changes of what
+    /// the diagram hands outward.
+    fn split(&self, wires: &mut Wires, near: &str, far: &str, to: &[End]) -> Vec<Splice> {
+        let moved: Vec<String> = to.iter().filter_map(End::written).collect();
+        let stays = self.ends.iter().find(|end| !moved.contains(end)).map(String::as_str);
+        let behind = wires.stand_in(&moved, near);
+        // Where only what is handed outward goes, or stays, no connection is cut.
+        if let (None, Some(stays)) = (behind, stays) {
+            wires.hang(stays, near);
+        }
+        // Those that stay joined to each other need one of them only.
+        let mut joined = vec![far];
+        for end in &moved {
+            if !joined[1..].iter().any(|known| wires.joined(known).contains(end)) {
+                joined.push(end);
+            }
+        }
+        if joined.len() > 1 {
+            wires.add(behind, Wire::Conserving, &joined);
+        }
+        let outward = self.outward.iter().filter_map(|(port, reference)| {
+            let goes = to.contains(&End::Port(port.text.clone()));
+            let new = match (goes, moved.contains(&written(reference))) {
+                (true, false) => far,
+                (false, true) => stays.unwrap_or(near),
+                _ => return None,
+            };
+            Some(Splice::new(reference.span.clone(), new))
+        });
+        outward.collect()
+    }
+}
+
+/// Puts a new block between two parts of a node: what is named stands on its far side then, everything else on its near one.
+fn into_node(
+    level: &Level,
     wires: &mut Wires,
     name: &str,
     ports: &Ports,
     domain: Domain,
     from: &End,
     to: &[End],
-) -> Result<(), Refusal> {
+) -> Result<Vec<Splice>, Refusal> {
     let fitting: Vec<String> = ports
         .conserving
         .iter()
@@ -450,49 +514,23 @@ fn into_net(
         return Err(Refusal::new(format!("`{name}` has no {domain} port"))
             .help("a connection joins ports of one kind"));
     };
-    let Some(left) = from.written() else {
-        return Err(Refusal::new("what a diagram hands outward is no wire").help("name a port of a block"));
-    };
-    let right: Vec<String> = to.iter().filter_map(End::written).collect();
-    let (Some(far), false) = (fitting.get(1), right.is_empty()) else {
+    let node = Node::of(level, wires, from);
+    if to.contains(from) {
+        return Err(Refusal::new(format!("`{}` cannot be on both sides of `{name}`", from.shown()))
+            .help("name a port that stays, then those that go to the other side"));
+    }
+    if let Some(missing) = to.iter().find(|end| !node.has(end)) {
+        return Err(Refusal::new(format!("`{}` is not joined to `{}`", missing.shown(), from.shown()))
+            .help("name ports of one connection, or add the block beside another, then connect it"));
+    }
+    match (fitting.get(1), to) {
+        (Some(far), [_, ..]) => Ok(node.split(wires, near, far, to)),
         // It hangs on the connection.
-        match wires.find(Wire::Conserving, |_, end| end == left) {
-            Some(at) => wires.append(at, near),
-            None => wires.add(None, Wire::Conserving, &[&left, near]),
-        }
-        return Ok(());
-    };
-    let direct = wires.find(Wire::Conserving, |_, end| end == left);
-    let ends: Vec<String> =
-        direct.map_or(Vec::new(), |at| wires.ends(at).into_iter().map(str::to_owned).collect());
-    for end in &right {
-        if wires.find(Wire::Conserving, |_, known| known == end).is_none() {
-            return Err(Refusal::new(format!("`{end}` is not joined to `{left}`")));
+        _ => {
+            node.ends.first().into_iter().for_each(|end| wires.hang(end, near));
+            Ok(Vec::new())
         }
     }
-    let behind = match (direct, ends.iter().position(|end| right.contains(end))) {
-        // `a <-> b`: the new port stands in the place of what goes to its other side.
-        (Some(at), Some(place)) => {
-            wires.replace(at, place, near);
-            let near = near.clone();
-            wires.remove(at, |_, end| right.iter().any(|gone| gone == end) && end != near);
-            Some(at)
-        }
-        (Some(at), None) => {
-            wires.append(at, near);
-            Some(at)
-        }
-        (None, _) => {
-            wires.add(None, Wire::Conserving, &[&left, near]);
-            None
-        }
-    };
-    // Those that are joined elsewhere leave there.
-    right.iter().for_each(|end| wires.leave(end));
-    let mut all = vec![far.as_str()];
-    all.extend(right.iter().map(String::as_str));
-    wires.add(behind, Wire::Conserving, &all);
-    Ok(())
 }
 
 /// Ports of the new block that need a wire and have none.

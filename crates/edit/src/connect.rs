@@ -122,7 +122,7 @@ fn connected(level: &Level, from: &End, to: &End, wire: Wire) -> Result<Option<S
             }
         }
         Wire::Conserving => {
-            if same_net(&wires, &a, &b) {
+            if wires.joined(&a).contains(&b) {
                 return Ok(None);
             }
             let known = |end: &str| wires.find(Wire::Conserving, |_, known| known == end);
@@ -157,25 +157,6 @@ fn outward<'l>(level: &'l Level, from: &'l End, to: &'l End) -> Option<(&'l Node
         }
     }
     None
-}
-
-/// Whether two conserving ports are joined, perhaps by way of others.
-fn same_net(wires: &crate::text::Wires, a: &str, b: &str) -> bool {
-    let (mut seen, mut open) = (vec![a.to_owned()], vec![a.to_owned()]);
-    while let Some(next) = open.pop() {
-        for at in (0..wires.len()).filter(|at| wires.wire(*at) == Wire::Conserving) {
-            let ends = wires.ends(at);
-            if ends.contains(&next.as_str()) {
-                for end in
-                    ends.into_iter().filter(|end| !seen.iter().any(|known| known == end)).collect::<Vec<_>>()
-                {
-                    open.push(end.to_owned());
-                    seen.push(end.to_owned());
-                }
-            }
-        }
-    }
-    seen.iter().any(|end| end == b)
 }
 
 /// A section of a diagram that has none of this name, behind its blocks or at its end.

@@ -9,7 +9,7 @@ use blocksim_diagram::Trees;
 use blocksim_syntax::read;
 
 use crate::change::{Change, Draft};
-use crate::ends::End;
+use crate::ends::{End, written};
 use crate::mentions;
 use crate::names::meant;
 use crate::project::{Level, Project, split};
@@ -128,13 +128,16 @@ fn disconnect(wires: &mut Wires, level: &Level, is_gone: impl Fn(&str) -> bool) 
         }
     }
     leaving.iter().for_each(|end| wires.leave(end));
-    let joined: BTreeSet<String> =
-        (0..wires.len()).flat_map(|at| wires.ends(at)).map(str::to_owned).collect();
-    let ports =
-        level.model.ast.ports.iter().map(|(_, reference)| format!("{}.{}", reference.block, reference.port));
-    let ports: BTreeSet<String> = ports.collect();
-    lost.retain(|end| !joined.contains(end) && !ports.contains(end));
+    keep_unconnected(&mut lost, wires, level);
     lost
+}
+
+/// Leaves the ends that no connection has and that the diagram does not hand outward.
+fn keep_unconnected(ends: &mut BTreeSet<String>, wires: &Wires, level: &Level) {
+    let joined = (0..wires.len()).flat_map(|at| wires.ends(at)).map(str::to_owned);
+    let handed = level.model.ast.ports.iter().map(|(_, reference)| written(reference));
+    let connected: BTreeSet<String> = joined.chain(handed).collect();
+    ends.retain(|end| !connected.contains(end));
 }
 
 /// Where blocks of a diagram are named outside of its connections and what it hands outward: by file, with its text.
@@ -210,9 +213,7 @@ pub fn disconnect_end(project: &Project, end: &str) -> Result<Change, Refusal> {
         return Err(Refusal::new(format!("nothing is connected to `{written}`")));
     }
     wires.leave(&written);
-    let joined: BTreeSet<String> =
-        (0..wires.len()).flat_map(|at| wires.ends(at)).map(str::to_owned).collect();
-    lost.retain(|end| !joined.contains(end));
+    keep_unconnected(&mut lost, &wires, &level);
     let mut draft = Draft::default();
     let splices: Vec<Splice> = wires.finish().0;
     let new = spliced(&level.file.text, splices)

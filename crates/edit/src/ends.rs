@@ -1,6 +1,6 @@
 //! Ends of wires as a person names them: `arm/link1/motor.r`, `controller/in.set`.
 
-use blocksim_diagram::PortKind;
+use blocksim_diagram::{PortKind, Reference};
 
 use crate::project::Level;
 use crate::refusal::Refusal;
@@ -30,6 +30,13 @@ pub(crate) fn split_end(end: &str) -> (&str, &str) {
         Some(slash) => (&end[..slash], &end[slash + 1..]),
         None => ("", end),
     }
+}
+
+/// A reference as connections write it.
+pub(crate) fn written(reference: &Reference) -> String {
+    let mut text = format!("{}.{}", reference.block, reference.port);
+    reference.elements.iter().for_each(|element| text.push_str(&format!(".{element}")));
+    text
 }
 
 impl End {

@@ -407,6 +407,101 @@ fn two_pins_go_into_a_circuit_in_series_and_others_hang_on_it() {
     assert_eq!(texts.try_it(|p| connect(p, "l.n", "ground.p")).expect("joined").texts, []);
 }
 
+/// Two connections make one node, by way of `r2.p`.
+const NODE: &str = r#"Diagram(
+    ports: { "out": "r4.p" },
+    blocks: {
+        "v": VoltageSource(v: "5 V"),
+        "r1": Resistor(r: "1 ohm"),
+        "r2": Resistor(r: "1 ohm"),
+        "r3": Resistor(r: "1 ohm"),
+        "r4": Resistor(r: "1 ohm"),
+    },
+    connections: [
+        "r1.n <-> r2.p <-> v.p", // one
+        "r2.p <-> r3.p <-> r4.p", // other
+        "v.n <-> r2.n",
+    ],
+)
+"#;
+
+#[test]
+fn what_is_put_into_a_node_of_several_connections_leaves_the_rest_of_it_together() {
+    let texts = Texts::of(&[("m.ron", NODE)]);
+    let with = |kind, into: &[&str]| {
+        let into: Vec<String> = into.iter().map(|end| (*end).to_owned()).collect();
+        texts.try_it(|p| add(p, &NewBlock { kind, name: "i", into: &into, ..NewBlock::default() }))
+    };
+    let between = |into: &[&str]| {
+        let change = with("CurrentSensor", into).expect("a node");
+        let text = texts.with(&change).text("m.ron").to_owned();
+        let new = text.split_once("connections: [").expect("connections").1.to_owned();
+        let lines = new.lines().filter_map(|line| line.trim().strip_prefix('"')?.split_once('"'));
+        let all: Vec<String> = lines.map(|(connection, _)| connection.to_owned()).collect();
+        (all, text.contains("\"out\": \"r4.p\""))
+    };
+    let one = ["r1.n <-> i.p <-> v.p", "i.n <-> r2.p", "i.p <-> r3.p <-> r4.p", "v.n <-> r2.n"];
+    for from in ["r1.n", "r3.p", "v.p", "r4.p", "out.out"] {
+        assert_eq!(between(&[from, "r2.p"]), (one.map(str::to_owned).to_vec(), true), "{from}");
+    }
+    // Those that go to the other side stay joined there; what is handed outward stays unless it is named.
+    let some = ["r1.n <-> i.p <-> v.p", "i.n <-> r2.p", "r2.p <-> r3.p <-> r4.p", "v.n <-> r2.n"];
+    assert_eq!(
+        between(&["v.p", "r2.p", "r4.p", "r3.p", "out.out"]),
+        (some.map(str::to_owned).to_vec(), true)
+    );
+    assert!(!between(&["v.p", "r2.p", "r4.p", "r3.p"]).1);
+    for (kind, into, reason) in [
+        ("Resistor", &["r1.n", "v.n"][..], "`v.n` is not joined to `r1.n`"),
+        ("ElectricalReference", &["r1.n", "v.n"], "`v.n` is not joined to `r1.n`"),
+        ("Resistor", &["r1.p", "out.out"], "`out.out` is not joined to `r1.p`"),
+        ("Resistor", &["r1.n", "r1.n"], "`r1.n` cannot be on both sides of `i`"),
+    ] {
+        let refusal = with(kind, into).expect_err(reason);
+        assert_eq!((refusal.message.as_str(), refusal.help.is_some()), (reason, true), "{into:?}");
+    }
+}
+
+#[test]
+fn a_port_that_is_handed_outward_is_connected_without_a_wire() {
+    let texts = Texts::of(&[("m.ron", NODE)]);
+    let notes = |end: &str| texts.try_it(|p| disconnect_end(p, end)).expect("a wire").notes;
+    assert_eq!(notes("r4.p"), [""; 0]);
+    assert_eq!(notes("v.n"), ["not connected any more: `r2.n`, `v.n`"]);
+}
+
+#[test]
+fn what_is_put_into_a_wire_takes_the_targets_that_its_source_drives() {
+    let text = r#"Diagram(
+    outputs: { "y": "a.y", "z": "b.y" },
+    blocks: { "a": Gain(k: 1), "b": Gain(k: 1), "c": Gain(k: 1), "d": Gain(k: 1), "e": Gain(k: 1) },
+    connections: [
+        "a.y -> b.u, c.u", // one
+        "a.y -> d.u", // other
+        "b.y -> e.u",
+    ],
+)
+"#;
+    let texts = Texts::of(&[("m.ron", text)]);
+    let with = |kind, into: &[&str]| {
+        let into: Vec<String> = into.iter().map(|end| (*end).to_owned()).collect();
+        let change =
+            texts.try_it(|p| add(p, &NewBlock { kind, name: "n", into: &into, ..NewBlock::default() }));
+        change.map(|change| texts.with(&change).text("m.ron").to_owned())
+    };
+    let all = with("Abs", &["a.y"]).expect("a wire");
+    let lines = "\"a.y -> n.u\", // one\n        \"n.y -> b.u, c.u\",\n        \"n.y -> d.u\", // other\n";
+    assert!(all.contains(lines) && all.contains("\"y\": \"n.y\", \"z\": \"b.y\""), "{all}");
+    for (kind, into, reason) in [
+        ("Abs", ["a.y", "e.u"], "`a.y` does not drive `e.u`"),
+        ("Terminator", ["a.y", "e.u"], "`a.y` does not drive `e.u`"),
+        ("Abs", ["a.y", "out.z"], "`a.y` does not drive `out.z`"),
+    ] {
+        let refusal = with(kind, &[&into[..], &["c.u"]].concat()).expect_err(reason);
+        assert_eq!(refusal.message, reason);
+    }
+}
+
 #[test]
 fn blocks_become_a_subsystem_with_ports_for_the_wires_that_cross_the_border() {
     let texts = servo();

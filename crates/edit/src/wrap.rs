@@ -3,11 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use blocksim_diagram::{Reference, Sources, compile};
+use blocksim_diagram::{Sources, compile};
 
 use crate::add::{free, quoted_name};
 use crate::change::{Change, Draft};
 use crate::delete::{names, other_spots, wires};
+use crate::ends::written;
 use crate::names::check_name;
 use crate::project::{Level, Project, With, below, split};
 use crate::refusal::Refusal;
@@ -187,14 +188,14 @@ impl<'n> Border<'n> {
         }
         // What is handed outward leads across as well, one that nothing else is joined to above all.
         for (_, reference) in &level.model.ast.ports {
-            let end = text_of(reference);
+            let end = written(reference);
             if self.is_inside(&end) {
                 let port = representative(&nets, &end, |end| self.is_inside(end));
                 self.conserving(&port);
             }
         }
         for (_, reference) in &level.model.ast.outputs {
-            let end = text_of(reference);
+            let end = written(reference);
             if self.is_inside(&end) {
                 self.output(&end);
             }
@@ -275,7 +276,7 @@ impl<'n> Border<'n> {
         let nets = nets_of(level);
         let mut splices = Vec::new();
         for (_, reference) in &ast.outputs {
-            let end = text_of(reference);
+            let end = written(reference);
             let (source, elements) = without_elements(&end);
             if let Some((_, name)) = self.outputs.iter().find(|(known, _)| known == source)
                 && self.is_inside(&end)
@@ -285,7 +286,7 @@ impl<'n> Border<'n> {
             }
         }
         for (_, reference) in &ast.ports {
-            let end = text_of(reference);
+            let end = written(reference);
             let port = representative(&nets, &end, |end| self.is_inside(end));
             if let Some((_, name)) = self.ports.iter().find(|(known, _)| *known == port)
                 && self.is_inside(&end)
@@ -323,13 +324,6 @@ fn position(ends: &[String], is: impl Fn(&str) -> bool) -> usize {
     ends.iter().position(|end| is(end)).unwrap_or(usize::MAX)
 }
 
-/// As connections write it.
-fn text_of(reference: &Reference) -> String {
-    let mut text = format!("{}.{}", reference.block, reference.port);
-    reference.elements.iter().for_each(|element| text.push_str(&format!(".{element}")));
-    text
-}
-
 /// Conserving ports that are joined, perhaps by several connections.
 struct Net {
     ends: Vec<String>,
@@ -350,7 +344,7 @@ impl Net {
 
 fn nets(level: &Level, wires: &Wires) -> Vec<Net> {
     let outward: BTreeSet<String> =
-        level.model.ast.ports.iter().map(|(_, reference)| text_of(reference)).collect();
+        level.model.ast.ports.iter().map(|(_, reference)| written(reference)).collect();
     let mut nets: Vec<Net> = Vec::new();
     for at in (0..wires.len()).filter(|at| wires.wire(*at) == Wire::Conserving) {
         let ends: Vec<String> = wires.ends(at).into_iter().map(str::to_owned).collect();

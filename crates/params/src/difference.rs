@@ -20,15 +20,21 @@ pub struct Difference {
     pub unit: String,
 }
 
+impl Value {
+    /// As a set would have it, without a place.
+    pub(crate) fn content(&self, unit: &str) -> Content {
+        match self {
+            Value::Number(value) => Content::Number { value: *value, unit: unit.to_owned(), numeral: 0..0 },
+            Value::Text(text, _) => Content::Expression(text.clone()),
+        }
+    }
+}
+
 impl Tables {
     /// The quantities as those of a set, without places; faulty cells are left out.
     pub fn quantities(&self) -> Vec<Quantity> {
-        let content = |value: &Value, unit: &str| match value {
-            Value::Number(value) => Content::Number { value: *value, unit: unit.to_owned(), numeral: 0..0 },
-            Value::Text(text, _) => Content::Expression(text.clone()),
-        };
         let readings = self.readings.iter().filter_map(|(path, reading)| {
-            let content = content(reading.value.as_ref()?, &reading.unit);
+            let content = reading.value.as_ref()?.content(&reading.unit);
             Some(Quantity {
                 path: path.clone(),
                 content,
@@ -51,15 +57,19 @@ pub fn difference(old: &[Quantity], new: &[Quantity]) -> Vec<Difference> {
             !second.get(quantity.path.as_str()).is_some_and(|other| equal(&quantity.content, other))
         })
         .map(|quantity| {
-            told(&quantity.path, Some(&quantity.content), second.get(quantity.path.as_str()).copied())
+            Difference::of(
+                &quantity.path,
+                Some(&quantity.content),
+                second.get(quantity.path.as_str()).copied(),
+            )
         })
         .collect();
     let added = new.iter().filter(|quantity| !first.contains_key(quantity.path.as_str()));
-    found.extend(added.map(|quantity| told(&quantity.path, None, Some(&quantity.content))));
+    found.extend(added.map(|quantity| Difference::of(&quantity.path, None, Some(&quantity.content))));
     found
 }
 
-fn equal(a: &Content, b: &Content) -> bool {
+pub(crate) fn equal(a: &Content, b: &Content) -> bool {
     match (a, b) {
         (Content::Number { value: a, unit: of_a, .. }, Content::Number { value: b, unit: of_b, .. }) => {
             converted(*b, of_b, of_a).is_ok_and(|b| same(*a, b))
@@ -69,29 +79,29 @@ fn equal(a: &Content, b: &Content) -> bool {
     }
 }
 
-fn told(path: &str, old: Option<&Content>, new: Option<&Content>) -> Difference {
-    let unit = |content: &Content| match content {
-        Content::Number { unit, .. } if unit == "1" => String::new(),
-        Content::Number { unit, .. } => unit.clone(),
-        Content::Expression(_) => String::new(),
-    };
-    let shared = match (old.map(unit), new.map(unit)) {
-        (Some(a), Some(b)) if a != b => None,
-        (a, b) => a.or(b),
-    };
-    let text = |content: &Content| match (content, &shared) {
-        (Content::Number { value, unit, .. }, None) if !unit.is_empty() => {
-            format!("{} {unit}", crate::numeral::written(*value))
-        }
-        (Content::Number { value, .. }, _) => crate::numeral::written(*value),
-        (Content::Expression(text), _) => format!("`{text}`"),
-    };
-    Difference {
-        path: path.to_owned(),
-        old: old.map(text),
-        new: new.map(text),
-        unit: shared.clone().unwrap_or_default(),
+impl Difference {
+    pub(crate) fn of(path: &str, old: Option<&Content>, new: Option<&Content>) -> Difference {
+        let ([old, new], unit) = shown([old, new]);
+        Difference { path: path.to_owned(), old, new, unit }
     }
+}
+
+/// Contents side by side, each as written, and the unit of all; where they differ in it, it stands beside each number.
+pub(crate) fn shown<const N: usize>(all: [Option<&Content>; N]) -> ([Option<String>; N], String) {
+    let unit = |content: &Content| match content {
+        Content::Number { unit, .. } if unit != "1" => unit.clone(),
+        _ => String::new(),
+    };
+    let units: Vec<String> = all.iter().flatten().map(|content| unit(content)).collect();
+    let shared = units.first().filter(|first| units.iter().all(|unit| unit == *first));
+    let text = |content: &Content| match content {
+        Content::Number { value, .. } => {
+            let own = if shared.is_none() { unit(content) } else { String::new() };
+            format!("{} {own}", crate::numeral::written(*value)).trim_end().to_owned()
+        }
+        Content::Expression(text) => format!("`{text}`"),
+    };
+    (all.map(|content| content.map(text)), shared.cloned().unwrap_or_default())
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ pub use book::Book;
 #[cfg(feature = "xlsx")]
 pub use book_read::read_book;
 pub use cell::{Address, Cell, Sheet, Spot};
-pub use compare::{Change, Comparison, Conflict, Known, compare};
+pub use compare::{Change, Comparison, Conflict, Known, Since, compare};
 pub use difference::{Difference, difference};
 pub use edit::edited;
 #[cfg(feature = "xlsx")]

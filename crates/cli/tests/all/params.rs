@@ -110,6 +110,24 @@ fn what_was_changed_on_both_sides_is_told_and_left() {
 }
 
 #[test]
+fn a_number_that_became_an_expression_is_listed_and_its_changed_cell_is_not_dropped() {
+    let desk = Desk::new();
+    desk.book_with("<v>250</v>", "<v>250</v>");
+    let computed = SET.replace("250 ms", "2 * 100 ms");
+    fs::write(desk.0.join("set.ron"), &computed).unwrap();
+    let (code, said) = desk.call("import set.xlsx set.ron --yes");
+    assert!(code == 0 && said.contains("Parameters!D5  lag        250 ms  `2 * 100 ms`"), "{said}");
+    fs::write(desk.0.join("set.ron"), SET).unwrap();
+    desk.book_with("<v>250</v>", "<v>300</v>");
+    fs::write(desk.0.join("set.ron"), &computed).unwrap();
+    for verb in ["check", "import --yes"] {
+        let (code, said) = desk.call(&format!("{verb} set.xlsx set.ron"));
+        assert!(code == 3 && said.contains("lag          250 ms  `2 * 100 ms`    300 ms"), "{said}");
+    }
+    assert_eq!(desk.set(), computed);
+}
+
+#[test]
 fn files_that_cannot_be_read_are_told() {
     let desk = Desk::new();
     for arguments in

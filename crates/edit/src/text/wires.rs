@@ -143,6 +143,50 @@ impl<'t> Wires<'t> {
         self.remove(first, |_, _| false);
     }
 
+    /// All ends that conserving connections join to one, perhaps by way of others; itself first.
+    pub(crate) fn joined(&self, end: &str) -> Vec<String> {
+        let mut all = vec![end.to_owned()];
+        let mut next = 0;
+        while let Some(end) = all.get(next).cloned() {
+            for at in (0..self.len()).filter(|at| self.wire(*at) == Wire::Conserving) {
+                let ends = self.ends(at);
+                if ends.contains(&end.as_str()) {
+                    for end in ends {
+                        if !all.iter().any(|known| known == end) {
+                            all.push(end.to_owned());
+                        }
+                    }
+                }
+            }
+            next += 1;
+        }
+        all
+    }
+
+    /// Puts one end in the place of others in each conserving connection that joins them to anything else; the first of these.
+    /// What is among the others alone stays.
+    pub(crate) fn stand_in(&mut self, others: &[String], new: &str) -> Option<usize> {
+        let mut first = None;
+        for at in 0..self.len() {
+            let gone: Vec<bool> =
+                self.ends(at).into_iter().map(|end| others.iter().any(|other| other == end)).collect();
+            let place = gone.iter().position(|gone| *gone).filter(|_| gone.contains(&false));
+            let Some(place) = place.filter(|_| self.wire(at) == Wire::Conserving) else { continue };
+            self.replace(at, place, new);
+            self.remove(at, |n, _| n != place && gone[n]);
+            first = first.or(Some(at));
+        }
+        first
+    }
+
+    /// Joins a conserving end to another.
+    pub(crate) fn hang(&mut self, on: &str, new: &str) {
+        match self.find(Wire::Conserving, |_, end| end == on) {
+            Some(at) => self.append(at, new),
+            None => self.add(None, Wire::Conserving, &[on, new]),
+        }
+    }
+
     /// Takes a connection out.
     pub(crate) fn take(&mut self, at: usize) -> Vec<String> {
         std::mem::take(&mut self.items[at].ends).iter().map(|end| end.trim().to_owned()).collect()
@@ -271,6 +315,27 @@ mod tests {
         assert_eq!(changed(text, |w| w.leave("b.p")), text.replace(" <-> b.p", ""));
         assert_eq!(changed(text, |w| w.leave("d.p")), text.replace("    \"x.n <-> d.p\",\n", ""));
         assert_eq!(changed(text, |w| w.leave("e.p")), text);
+    }
+
+    #[test]
+    fn one_end_stands_in_for_others_wherever_they_are_joined_to_something_else() {
+        let text = "(c: [\n    \"a.p <-> x.p\",\n    \"x.p <-> y.p\", // both\n    \"y.p <-> b.p <-> x.p\",\n    \"x.y -> c.u\",\n])";
+        let new = text.replace("a.p <-> x.p", "a.p <-> n.p").replace("y.p <-> b.p <-> x.p", "n.p <-> b.p");
+        let others = ["x.p", "y.p"].map(str::to_owned);
+        assert_eq!(changed(text, |w| assert_eq!(w.stand_in(&others, "n.p"), Some(0))), new);
+        let all = |end: &str, w: &Wires| w.joined(end).join(" ");
+        assert_eq!(changed(text, |w| assert_eq!(all("b.p", w), "b.p y.p x.p a.p")), text);
+        assert_eq!(
+            changed(&new, |w| assert_eq!(
+                (all("b.p", w), all("x.p", w)),
+                ("b.p n.p a.p".into(), "x.p y.p".into())
+            )),
+            new
+        );
+        assert_eq!(
+            changed(text, |w| w.hang("a.p", "n.p")),
+            text.replace("a.p <-> x.p", "a.p <-> x.p <-> n.p")
+        );
     }
 
     #[test]

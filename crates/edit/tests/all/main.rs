@@ -1,5 +1,6 @@
 //! Edits of the diagrams that ship with the project.
 
+mod nodes;
 mod random;
 mod same;
 

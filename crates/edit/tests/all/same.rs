@@ -1,12 +1,12 @@
 //! A subsystem around some blocks, or another name for one, changes nothing but the order in which sums are taken, where names decide it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use blocksim_block::schedule::{FixedMethod, Schedule, Solver};
 use blocksim_diagram::{Model, Options, Sources, compile_and_keep};
-use blocksim_edit::{Change, rename, wrap};
+use blocksim_edit::{Change, NewBlock, add, rename, wrap};
 use blocksim_sim::{Observer, Simulation};
 
 use crate::{Random, Texts, models, root};
@@ -142,4 +142,48 @@ fn a_subsystem_within_the_robot_changes_nothing_either() {
     };
     let expected: Recorded = before.iter().map(|(name, values)| (named(name), values.clone())).collect();
     assert_eq!(difference(&expected, &after), None);
+}
+
+/// 5 V over 1 ohm and then two of 1 ohm side by side, whose node is written in two connections.
+const NODE: &str = r#"Diagram(
+    simulation: (stop_time: "1 s"),
+    blocks: {
+        "v": VoltageSource(v: "5 V"),
+        "r1": Resistor(r: "1 ohm"),
+        "r2": Resistor(r: "1 ohm"),
+        "r3": Resistor(r: "1 ohm"),
+        "g": ElectricalReference,
+        "vs": VoltageSensor,
+    },
+    connections: [
+        "v.p <-> r1.p",
+        "r1.n <-> r2.p <-> vs.p",
+        "r3.p <-> r2.p",
+        "v.n <-> r2.n <-> r3.n <-> vs.n <-> g.p",
+    ],
+    record: ["vs.v"],
+)
+"#;
+
+#[test]
+fn a_sensor_that_is_a_wire_can_be_put_between_any_parts_of_a_node() {
+    let path = Path::new("/circuit/circuit.ron");
+    let changed = BTreeMap::from([(PathBuf::from(path), NODE.to_owned())]);
+    let texts = Texts { changed, with_code: false };
+    let ends = ["r1.n", "r2.p", "r3.p", "vs.p"];
+    for (stays, from) in ends.iter().enumerate() {
+        for far in 1..16_usize {
+            let others = ends.iter().enumerate().filter(|(n, _)| *n != stays && far >> n & 1 == 1);
+            let into: Vec<String> =
+                [from].into_iter().chain(others.map(|(_, end)| end)).map(|end| (*end).to_owned()).collect();
+            if into.len() == 1 || far >> stays & 1 == 1 {
+                continue;
+            }
+            let new = NewBlock { kind: "CurrentSensor", into: &into, ..NewBlock::default() };
+            let change = texts.edit(path, false, |project| add(project, &new)).expect("a node");
+            let after = run(compiled(&texts.with(&change), path).1);
+            let volts = after["vs.v"].last().expect("a row");
+            assert!((volts - 5.0 / 3.0).abs() < 1e-9, "{into:?}: {volts} V");
+        }
+    }
 }

@@ -134,7 +134,10 @@ fn changes_of_the_set_since_the_export_are_kept_and_told() {
     let found = compared(&bytes, &newer);
     assert_eq!(found.known, Known::Stale);
     assert_eq!(found.edits.iter().map(|c| c.path.as_str()).collect::<Vec<_>>(), ["axis1.motor.inertia"]);
-    assert_eq!(found.since.iter().map(|c| c.path.as_str()).collect::<Vec<_>>(), ["general.rated_payload"]);
+    assert_eq!(
+        found.since.iter().map(|c| c.difference.path.as_str()).collect::<Vec<_>>(),
+        ["general.rated_payload"]
+    );
     let out = changed_text(&newer, &found);
     assert!(out.contains("\"10 kg\"") && out.contains("\"0.002 kg*m^2\""));
 }
@@ -145,7 +148,8 @@ fn a_number_changed_on_both_sides_is_a_conflict_unless_both_agree() {
     let other = compared(&bytes, &text.replacen("\"12 kg\"", "\"10 kg\"", 1));
     assert_eq!(other.conflicts.len(), 1);
     let conflict = &other.conflicts[0];
-    assert_eq!((conflict.exported, conflict.set, conflict.sheet), (12.0, 10.0, 14.0));
+    let sides = (conflict.exported.as_deref(), conflict.set.as_str(), conflict.sheet.as_str());
+    assert_eq!((sides, conflict.unit.as_str()), ((Some("12"), "10", "14"), "kg"));
     let same = compared(&bytes, &text.replacen("\"12 kg\"", "\"14 kg\"", 1));
     assert!(same.conflicts.is_empty() && same.edits.is_empty(), "{same:?}");
 }

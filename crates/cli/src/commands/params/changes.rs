@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use blocksim_block::problem::Problem;
-use blocksim_params::{Change, Comparison, Conflict, Fault, Known, Spot};
+use blocksim_params::{Change, Comparison, Conflict, Fault, Known, Since, Spot};
 use blocksim_terminal::{Align, Table};
 
 use crate::exit::Exit;
@@ -18,19 +18,22 @@ fn number(number: Option<f64>) -> String {
     number.map_or("-".to_owned(), blocksim_params::written)
 }
 
-/// A table of changes, or nothing.
-pub fn changes(changes: &[Change]) -> String {
-    if changes.is_empty() {
-        return String::new();
-    }
-    let columns = [
+fn old_and_new() -> Table {
+    Table::new(&[
         ("cell", Align::Left),
         ("parameter", Align::Left),
         ("old", Align::Right),
         ("new", Align::Right),
         ("unit", Align::Left),
-    ];
-    let mut table = Table::new(&columns);
+    ])
+}
+
+/// A table of changes, or nothing.
+pub fn changes(changes: &[Change]) -> String {
+    if changes.is_empty() {
+        return String::new();
+    }
+    let mut table = old_and_new();
     for change in changes {
         table.row([
             place(change.cell.as_ref()),
@@ -38,6 +41,26 @@ pub fn changes(changes: &[Change]) -> String {
             number(change.old),
             number(change.new),
             change.unit.clone(),
+        ]);
+    }
+    table.render()
+}
+
+/// A side that may have nothing.
+fn side(text: Option<&String>) -> String {
+    text.cloned().unwrap_or_else(|| "-".to_owned())
+}
+
+/// A table of what was changed in the set alone.
+fn kept(all: &[Since]) -> String {
+    let mut table = old_and_new();
+    for Since { cell, difference } in all {
+        table.row([
+            place(cell.as_ref()),
+            difference.path.clone(),
+            side(difference.old.as_ref()),
+            side(difference.new.as_ref()),
+            difference.unit.clone(),
         ]);
     }
     table.render()
@@ -55,14 +78,12 @@ fn conflicts(conflicts: &[Conflict]) -> String {
     ];
     let mut table = Table::new(&columns);
     for conflict in conflicts {
-        let [exported, set, sheet] =
-            [conflict.exported, conflict.set, conflict.sheet].map(|n| number(Some(n)));
         table.row([
             place(Some(&conflict.cell)),
             conflict.path.clone(),
-            exported,
-            set,
-            sheet,
+            side(conflict.exported.as_ref()),
+            conflict.set.clone(),
+            conflict.sheet.clone(),
             conflict.unit.clone(),
         ]);
     }
@@ -91,7 +112,7 @@ pub fn unhindered(found: &Comparison, book: &Path) -> Result<(), Failure> {
         problems.push(
             Problem::error("workbook", said)
                 .note(conflicts(&found.conflicts).trim_end())
-                .help("write the number that shall hold into the cell or into the set, so that both agree"),
+                .help("write what shall hold into the cell or into the set, so that both agree"),
         );
     }
     match found.faults.len() + found.conflicts.len() {
@@ -105,12 +126,13 @@ pub fn age(found: &Comparison) -> Option<String> {
     let said = match found.known {
         Known::Current => return None,
         Known::Nothing => "note: the workbook does not remember its export; its cells are compared with the set as it is now".to_owned(),
+        Known::Stale if !found.conflicts.is_empty() && found.since.is_empty() => return None,
         Known::Stale if found.since.is_empty() => {
-            "note: the text of the set has changed since the export, but no number that the workbook has".to_owned()
+            "note: the text of the set has changed since the export, but no number of the workbook is out of date".to_owned()
         }
         Known::Stale => format!(
             "warning: the set has changed since the export; these numbers stay as they are in the set:\n{}",
-            changes(&found.since).trim_end()
+            kept(&found.since).trim_end()
         ),
     };
     Some(said)
