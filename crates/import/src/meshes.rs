@@ -1,6 +1,6 @@
 //! The meshes that a mechanism names: found, checked, and measured against the stated masses.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -39,53 +39,33 @@ pub fn meshes(
     read: &dyn Fn(&Path) -> io::Result<Vec<u8>>,
 ) -> Result<Vec<MeshFile>, Vec<Fault>> {
     let mut faults = Vec::new();
-    let mut found: BTreeMap<String, (String, PathBuf, Vec<u8>)> = BTreeMap::new();
-    let mut names = std::collections::BTreeSet::new();
-    let mut missing_names: BTreeMap<String, String> = BTreeMap::new();
-    let mut total = 0;
+    let mut library = Library::default();
     let mut notes = Vec::new();
     for body in &mut mechanism.bodies {
+        let wanted = density.is_some() && body.inertia.is_none();
         let mut measured: Vec<(Role, Solid)> = Vec::new();
+        let mut absent = BTreeSet::new();
         for shape in &mut body.shapes {
             let Form::Mesh { file: named, scale, line } = &mut shape.form else { continue };
-            if let Some(name) = missing_names.get(named) {
+            let is_new = !library.missing.contains_key(named);
+            keep(library.fetch(file, named, read).map_err(|fault| fault.at(*line)), &mut faults);
+            if library.total > LARGEST {
+                return Err(faults);
+            }
+            if let Some(name) = library.missing.get(named) {
+                // All else is drawn and moves without it, unless its mass is wanted.
+                let missing = format!("there is no mesh `{named}`, which `{}` looks like", body.original);
+                if wanted && absent.insert(named.clone()) {
+                    let remedy = "put it there, or state mass and inertia";
+                    let _ = keep::<()>(Err(Fault::new(file, missing, remedy).at(*line)), &mut faults);
+                } else if is_new {
+                    let at = file.display();
+                    notes.push(format!("{at}:{line}: {missing}: put it to {name} beside the diagram"));
+                }
                 *named = name.clone();
                 continue;
             }
-            if !found.contains_key(named) {
-                let fault = |fault: Fault| fault.at(*line);
-                let Some(opened) = keep(open(file, named, read).map_err(fault), &mut faults) else {
-                    continue;
-                };
-                let Some((path, bytes)) = opened else {
-                    // All else is drawn and moves without it, unless its mass is wanted.
-                    let name = place(Path::new(named.as_str()), &mut names);
-                    let missing = format!("there is no mesh `{named}`, which `{}` looks like", body.original);
-                    if density.is_some() && body.inertia.is_none() {
-                        let remedy = "put it there, or state mass and inertia";
-                        let _ = keep::<()>(Err(fault(Fault::new(file, missing, remedy))), &mut faults);
-                    } else {
-                        let at = file.display();
-                        notes.push(format!("{at}:{line}: {missing}: put it to {name} beside the diagram"));
-                    }
-                    missing_names.insert(named.clone(), name.clone());
-                    *named = name;
-                    continue;
-                };
-                total += bytes.len();
-                if total > LARGEST {
-                    let reason = format!("the meshes have more than {} MiB together", LARGEST >> 20);
-                    faults.push(Fault::new(
-                        file,
-                        reason,
-                        "export them coarser, or leave them out with --no-meshes",
-                    ));
-                    return Err(faults);
-                }
-                let name = place(&path, &mut names);
-                found.insert(named.clone(), (name, path, bytes));
-            }
-            let Some((name, path, bytes)) = found.get(named) else { continue };
+            let Some((name, path, bytes)) = library.found.get(named) else { continue };
             if is_stl(path) {
                 let Some(triangles) = keep(stl::read(path, bytes), &mut faults) else { continue };
                 let mut measure = solid(&triangles, *scale);
@@ -103,8 +83,51 @@ pub fn meshes(
     }
     mechanism.notes.append(&mut notes);
     match faults.is_empty() {
-        true => Ok(found.into_values().map(|(name, _, bytes)| MeshFile { name, bytes }).collect()),
+        true => Ok(library.files()),
         false => Err(faults),
+    }
+}
+
+/// The meshes that were looked for, by what the file calls them.
+#[derive(Default)]
+struct Library {
+    /// Where each goes, where it was found, and what it holds.
+    found: BTreeMap<String, (String, PathBuf, Vec<u8>)>,
+    /// Where each would go that does not exist.
+    missing: BTreeMap<String, String>,
+    names: BTreeSet<String>,
+    /// Bytes of all together.
+    total: usize,
+}
+
+impl Library {
+    /// Looks for a mesh, unless it has done so before.
+    fn fetch(
+        &mut self,
+        file: &Path,
+        named: &str,
+        read: &dyn Fn(&Path) -> io::Result<Vec<u8>>,
+    ) -> Result<(), Fault> {
+        if self.found.contains_key(named) || self.missing.contains_key(named) {
+            return Ok(());
+        }
+        let Some((path, bytes)) = open(file, named, read)? else {
+            let name = place(Path::new(named), &mut self.names);
+            self.missing.insert(named.to_owned(), name);
+            return Ok(());
+        };
+        self.total += bytes.len();
+        if self.total > LARGEST {
+            let reason = format!("the meshes have more than {} MiB together", LARGEST >> 20);
+            return Err(Fault::new(file, reason, "export them coarser, or leave them out with --no-meshes"));
+        }
+        let name = place(&path, &mut self.names);
+        self.found.insert(named.to_owned(), (name, path, bytes));
+        Ok(())
+    }
+
+    fn files(self) -> Vec<MeshFile> {
+        self.found.into_values().map(|(name, _, bytes)| MeshFile { name, bytes }).collect()
     }
 }
 
@@ -113,7 +136,7 @@ fn is_stl(path: &Path) -> bool {
 }
 
 /// A name of its own for each mesh.
-fn place(path: &Path, names: &mut std::collections::BTreeSet<String>) -> String {
+fn place(path: &Path, names: &mut BTreeSet<String>) -> String {
     let stem = file_name(&path.file_stem().unwrap_or_default().to_string_lossy());
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let numbered = (2_u32..).map(|n| format!("meshes/{stem}_{n}.{ending}"));
@@ -274,6 +297,33 @@ mod tests {
         assert_eq!(known.notes, [told]);
         let Form::Mesh { file: named, .. } = &known.bodies[1].shapes[0].form else { panic!("a mesh") };
         assert_eq!(named, "meshes/arm.stl");
+    }
+
+    #[test]
+    fn a_mesh_that_does_not_exist_is_missed_by_each_link_whose_mass_it_was_to_give() {
+        let link = |name: &str, inertial: &str, line: &str| {
+            let mesh = "<geometry><mesh filename='no.stl'/></geometry>";
+            format!(
+                "<link name='{name}'>{inertial}{line}<visual>{mesh}</visual><collision>{mesh}</collision></link>"
+            )
+        };
+        let inertial = "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>";
+        let joint = |child: &str| {
+            format!(
+                "<joint name='{child}j' type='continuous'><parent link='base'/><child link='{child}'/></joint>"
+            )
+        };
+        let links =
+            [link("a", inertial, ""), link("b", "", "\n"), link("c", "", "\n"), link("d", inertial, "")];
+        let joints = ["a", "b", "c", "d"].map(joint);
+        let text =
+            format!("<robot name='r'><link name='base'/>{}{}</robot>", links.concat(), joints.concat());
+        let file = Path::new("r.urdf");
+        let mut robot = crate::urdf::read(file, text.as_bytes(), true).unwrap();
+        let faults = meshes(&mut robot, file, Some(1000.0), &disk).unwrap_err();
+        let told: Vec<_> = faults.iter().map(|fault| (fault.line, fault.reason.as_str())).collect();
+        let missing = ["b", "c"].map(|name| format!("there is no mesh `no.stl`, which `{name}` looks like"));
+        assert_eq!(told, [(Some(2), missing[0].as_str()), (Some(3), missing[1].as_str())]);
     }
 
     #[test]
