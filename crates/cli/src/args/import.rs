@@ -31,7 +31,7 @@ pub struct ImportArgs {
     /// Body at the end of the robot, where joints branch or several frames end it.
     #[arg(long, value_name = "BODY")]
     pub tip: Option<String>,
-    /// Density for links without mass, which then is that of their mesh, such as `2700` or `"7850 kg/m^3"`.
+    /// Density for links without mass, which then is that of their meshes and other shapes, such as `2700` or `"7850 kg/m^3"`.
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,
     /// Leave meshes where they are, unread.
