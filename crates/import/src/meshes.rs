@@ -1,9 +1,10 @@
 //! The meshes that a mechanism names: found, checked, and measured against the stated masses.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use blocksim_multibody::{Inertia, Placement};
 use nalgebra::Vector3;
 
 use crate::fault::{Fault, keep};
@@ -24,14 +25,23 @@ pub struct MeshFile {
 /// Most bytes of all meshes together.
 const LARGEST: usize = 512 << 20;
 
+/// A shape of a body as it was measured.
+struct Measured {
+    role: Role,
+    /// The mesh as named, and its line; `None` for boxes, cylinders and spheres.
+    mesh: Option<(String, u32)>,
+    /// What it encloses in the frame of the body; `None` for a mesh that does not exist or is passed on unread.
+    solid: Option<Solid>,
+}
+
 /// Reads all meshes, renames them in the mechanism to where they go, and gives bodies without mass that of their
-/// mesh at `density` (kg/m³). STL files are checked; those of other kinds are only passed on.
+/// shapes together at `density` (kg/m³) where a mesh is among them. STL files are checked; those of other kinds are only passed on.
 ///
 /// `read` gets a path and returns the bytes; `file` is the file that names the meshes.
 ///
 /// # Errors
 /// Meshes that are damaged or of an unknown kind, bodies that a mesh does not enclose. A mesh that does not exist is a note,
-/// unless the mass of its body is wanted.
+/// unless the mass of its body is wanted; then one that is passed on unread is a fault as well.
 pub fn meshes(
     mechanism: &mut Mechanism,
     file: &Path,
@@ -39,72 +49,109 @@ pub fn meshes(
     read: &dyn Fn(&Path) -> io::Result<Vec<u8>>,
 ) -> Result<Vec<MeshFile>, Vec<Fault>> {
     let mut faults = Vec::new();
-    let mut found: BTreeMap<String, (String, PathBuf, Vec<u8>)> = BTreeMap::new();
-    let mut names = std::collections::BTreeSet::new();
-    let mut missing_names: BTreeMap<String, String> = BTreeMap::new();
-    let mut total = 0;
+    let mut library = Library::default();
     let mut notes = Vec::new();
     for body in &mut mechanism.bodies {
-        let mut measured: Vec<(Role, Solid)> = Vec::new();
+        let wanted = density.is_some() && body.inertia.is_none();
+        let mut measured: Vec<Measured> = Vec::new();
+        let mut absent = BTreeSet::new();
         for shape in &mut body.shapes {
-            let Form::Mesh { file: named, scale, line } = &mut shape.form else { continue };
-            if let Some(name) = missing_names.get(named) {
+            let role = shape.role;
+            let Form::Mesh { file: named, scale, line } = &mut shape.form else {
+                let solid = simple(&shape.form).map(|solid| turned(solid, &shape.place));
+                measured.push(Measured { role, mesh: None, solid });
+                continue;
+            };
+            let mesh = Some((named.clone(), *line));
+            let is_new = !library.missing.contains_key(named);
+            keep(library.fetch(file, named, read).map_err(|fault| fault.at(*line)), &mut faults);
+            if library.total > LARGEST {
+                return Err(faults);
+            }
+            if let Some(name) = library.missing.get(named) {
+                // All else is drawn and moves without it, unless its mass is wanted.
+                let missing = format!("there is no mesh `{named}`, which `{}` looks like", body.original);
+                if wanted && absent.insert(named.clone()) {
+                    let remedy = "put it there, or state mass and inertia";
+                    let _ = keep::<()>(Err(Fault::new(file, missing, remedy).at(*line)), &mut faults);
+                } else if is_new {
+                    let at = file.display();
+                    notes.push(format!("{at}:{line}: {missing}: put it to {name} beside the diagram"));
+                }
                 *named = name.clone();
+                measured.push(Measured { role, mesh, solid: None });
                 continue;
             }
-            if !found.contains_key(named) {
-                let fault = |fault: Fault| fault.at(*line);
-                let Some(opened) = keep(open(file, named, read).map_err(fault), &mut faults) else {
-                    continue;
-                };
-                let Some((path, bytes)) = opened else {
-                    // All else is drawn and moves without it, unless its mass is wanted.
-                    let name = place(Path::new(named.as_str()), &mut names);
-                    let missing = format!("there is no mesh `{named}`, which `{}` looks like", body.original);
-                    if density.is_some() && body.inertia.is_none() {
-                        let remedy = "put it there, or state mass and inertia";
-                        let _ = keep::<()>(Err(fault(Fault::new(file, missing, remedy))), &mut faults);
-                    } else {
-                        let at = file.display();
-                        notes.push(format!("{at}:{line}: {missing}: put it to {name} beside the diagram"));
-                    }
-                    missing_names.insert(named.clone(), name.clone());
-                    *named = name;
-                    continue;
-                };
-                total += bytes.len();
-                if total > LARGEST {
-                    let reason = format!("the meshes have more than {} MiB together", LARGEST >> 20);
-                    faults.push(Fault::new(
-                        file,
-                        reason,
-                        "export them coarser, or leave them out with --no-meshes",
-                    ));
-                    return Err(faults);
-                }
-                let name = place(&path, &mut names);
-                found.insert(named.clone(), (name, path, bytes));
-            }
-            let Some((name, path, bytes)) = found.get(named) else { continue };
+            let Some((name, path, bytes)) = library.found.get(named) else { continue };
+            let mut enclosed = None;
             if is_stl(path) {
                 let Some(triangles) = keep(stl::read(path, bytes), &mut faults) else { continue };
-                let mut measure = solid(&triangles, *scale);
-                if measure.bounds.iter().any(|corner| corner.norm() > 100.0) {
+                let solid = solid(&triangles, *scale);
+                if solid.bounds.iter().any(|corner| corner.norm() > 100.0) {
                     notes.push(format!(
                         "`{named}` reaches beyond 100 m: is it in millimetres? then its scale is 0.001"
                     ));
                 }
-                turn(&mut measure, &shape.place);
-                measured.push((shape.role, measure));
+                enclosed = Some(turned(solid, &shape.place));
             }
+            measured.push(Measured { role, mesh, solid: enclosed });
             *named = name.clone();
         }
-        compare(body, &measured, density, file, &mut notes, &mut faults);
+        match whole(&measured) {
+            Some(parts) => compare(body, &parts, density, file, &mut notes, &mut faults),
+            None if wanted && absent.is_empty() => {
+                let _ = keep(unread(body, &measured, file), &mut faults);
+            }
+            None => {}
+        }
     }
     mechanism.notes.append(&mut notes);
     match faults.is_empty() {
-        true => Ok(found.into_values().map(|(name, _, bytes)| MeshFile { name, bytes }).collect()),
+        true => Ok(library.files()),
         false => Err(faults),
+    }
+}
+
+/// The meshes that were looked for, by what the file calls them.
+#[derive(Default)]
+struct Library {
+    /// Where each goes, where it was found, and what it holds.
+    found: BTreeMap<String, (String, PathBuf, Vec<u8>)>,
+    /// Where each would go that does not exist.
+    missing: BTreeMap<String, String>,
+    names: BTreeSet<String>,
+    /// Bytes of all together.
+    total: usize,
+}
+
+impl Library {
+    /// Looks for a mesh, unless it has done so before.
+    fn fetch(
+        &mut self,
+        file: &Path,
+        named: &str,
+        read: &dyn Fn(&Path) -> io::Result<Vec<u8>>,
+    ) -> Result<(), Fault> {
+        if self.found.contains_key(named) || self.missing.contains_key(named) {
+            return Ok(());
+        }
+        let Some((path, bytes)) = open(file, named, read)? else {
+            let name = place(Path::new(named), &mut self.names);
+            self.missing.insert(named.to_owned(), name);
+            return Ok(());
+        };
+        self.total += bytes.len();
+        if self.total > LARGEST {
+            let reason = format!("the meshes have more than {} MiB together", LARGEST >> 20);
+            return Err(Fault::new(file, reason, "export them coarser, or leave them out with --no-meshes"));
+        }
+        let name = place(&path, &mut self.names);
+        self.found.insert(named.to_owned(), (name, path, bytes));
+        Ok(())
+    }
+
+    fn files(self) -> Vec<MeshFile> {
+        self.found.into_values().map(|(name, _, bytes)| MeshFile { name, bytes }).collect()
     }
 }
 
@@ -113,7 +160,7 @@ fn is_stl(path: &Path) -> bool {
 }
 
 /// A name of its own for each mesh.
-fn place(path: &Path, names: &mut std::collections::BTreeSet<String>) -> String {
+fn place(path: &Path, names: &mut BTreeSet<String>) -> String {
     let stem = file_name(&path.file_stem().unwrap_or_default().to_string_lossy());
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let numbered = (2_u32..).map(|n| format!("meshes/{stem}_{n}.{ending}"));
@@ -160,66 +207,114 @@ fn places(file: &Path, named: &str) -> Vec<PathBuf> {
     around.iter().flat_map(|folder| [folder.join(inside), folder.join(rest)]).collect()
 }
 
+/// What a shape that is no mesh encloses, in its own frame.
+fn simple(form: &Form) -> Option<Solid> {
+    match form {
+        Form::Box { size } => Some(Solid::cuboid(*size)),
+        Form::Cylinder { radius, length } => Some(Solid::cylinder(*radius, *length)),
+        Form::Sphere { radius } => Some(Solid::sphere(*radius)),
+        Form::Mesh { .. } => None,
+    }
+}
+
 /// From the frame of the shape into that of the body.
-fn turn(solid: &mut Solid, place: &blocksim_multibody::Placement) {
+fn turned(solid: Solid, place: &Placement) -> Solid {
     let r = place.rotation;
-    solid.centre = place.point(&solid.centre);
-    solid.about_centre = r * solid.about_centre * r.transpose();
     let [low, high] = solid.bounds;
     let corners = (0..8).map(|i| {
         let pick = |k: usize| if i >> k & 1 == 1 { high[k] } else { low[k] };
-        place.point(&Vector3::new(pick(0), pick(1), pick(2)))
+        let corner = place.point(&Vector3::new(pick(0), pick(1), pick(2)));
+        [corner, corner]
     });
-    let empty = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
-    solid.bounds = corners.fold(empty, |[low, high], corner| [low.inf(&corner), high.sup(&corner)]);
+    Solid {
+        centre: place.point(&solid.centre),
+        about_centre: r * solid.about_centre * r.transpose(),
+        bounds: around(corners),
+        ..solid
+    }
 }
 
-/// Holds the stated mass against what the mesh encloses, or takes it from there.
+/// The least bounds around others.
+fn around(all: impl Iterator<Item = [Vector3<f64>; 2]>) -> [Vector3<f64>; 2] {
+    let empty = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
+    all.fold(empty, |[low, high], [least, largest]| [low.inf(&least), high.sup(&largest)])
+}
+
+/// The shapes that make up a body: those to be looked at, or those that collide where some of the former could not be measured.
+/// `None` where no mesh is among them: simple shapes alone are no image of a body.
+fn whole(measured: &[Measured]) -> Option<Vec<(&Measured, Solid)>> {
+    [Role::Visual, Role::Collision].into_iter().find_map(|role| {
+        let parts = measured.iter().filter(|part| part.role == role);
+        let parts = parts.map(|part| Some((part, part.solid?))).collect::<Option<Vec<_>>>()?;
+        parts.iter().any(|(part, _)| part.mesh.is_some()).then_some(parts)
+    })
+}
+
+/// The fault of a body whose mass is wanted, where a mesh was not measured.
+fn unread(body: &Body, measured: &[Measured], file: &Path) -> Result<(), Fault> {
+    let part = measured.iter().find(|part| part.solid.is_none());
+    let Some((named, line)) = part.and_then(|part| part.mesh.as_ref()) else { return Ok(()) };
+    let reason =
+        format!("`{named}`, which `{}` looks like, is passed on unread, so it gives no mass", body.original);
+    Err(Fault::new(file, reason, "export it as .stl, or state mass and inertia").at(*line))
+}
+
+/// Holds the stated mass against what the shapes of a body enclose, or takes it from there.
 fn compare(
     body: &mut Body,
-    measured: &[(Role, Solid)],
+    parts: &[(&Measured, Solid)],
     density: Option<f64>,
     file: &Path,
     notes: &mut Vec<String>,
     faults: &mut Vec<Fault>,
 ) {
-    let Some((_, solid)) = measured.iter().find(|(role, _)| *role == Role::Visual).or(measured.first())
-    else {
-        return;
-    };
-    let name = &body.original;
     match (body.inertia, density) {
         (None, None) => {}
-        (None, Some(density)) => match solid.inertia(density).filter(|inertia| inertia.check().is_ok()) {
-            Some(inertia) => {
-                notes.push(format!("`{name}` has no stated mass: {} kg from its mesh", inertia.mass));
-                body.inertia = Some(inertia);
-            }
-            None => {
-                let reason = format!("the mesh of `{name}` has holes: it encloses no volume");
-                let _ = keep::<()>(
-                    Err(Fault::new(file, reason, "repair the mesh, or state mass and inertia")),
-                    faults,
-                );
-            }
-        },
-        (Some(inertia), _) => {
-            let [low, high] = solid.bounds;
-            let margin = (high - low) * 0.1;
-            let inside = (0..3).all(|k| (low[k] - margin[k]..=high[k] + margin[k]).contains(&inertia.com[k]));
-            if !inside {
-                notes.push(format!(
-                    "the centre of mass of `{name}` lies outside of its mesh: check units and scale"
-                ));
-            }
-            let density = inertia.mass / solid.volume.abs();
-            // Foam to gold.
-            if solid.closed && !(10.0..=20_000.0).contains(&density) {
-                notes.push(format!(
-                    "`{name}` would have a density of {density:.3e} kg/m^3: check units and scale"
-                ));
-            }
-        }
+        (None, Some(density)) => body.inertia = keep(filled(body, parts, density, file, notes), faults),
+        (Some(inertia), _) => check(body, &inertia, parts, notes),
+    }
+}
+
+/// The mass of a body that its shapes have together.
+fn filled(
+    body: &Body,
+    parts: &[(&Measured, Solid)],
+    density: f64,
+    file: &Path,
+    notes: &mut Vec<String>,
+) -> Result<Inertia, Fault> {
+    let name = &body.original;
+    let mut total = Inertia::zero();
+    for (part, solid) in parts {
+        let Some(inertia) = solid.inertia(density).filter(|inertia| inertia.check().is_ok()) else {
+            let mesh = part.mesh.as_ref().map_or("", |(named, _)| named);
+            let reason = format!("the mesh `{mesh}` of `{name}` has holes: it encloses no volume");
+            let fault = Fault::new(file, reason, "repair the mesh, or state mass and inertia");
+            return Err(part.mesh.iter().fold(fault, |fault, (_, line)| fault.at(*line)));
+        };
+        total = total + inertia;
+    }
+    let from = match parts.len() {
+        1 => "its mesh".to_owned(),
+        shapes => format!("its {shapes} shapes together"),
+    };
+    notes.push(format!("`{name}` has no stated mass: {} kg from {from}", total.mass));
+    Ok(total)
+}
+
+/// Notes where a stated mass cannot be that of what is seen.
+fn check(body: &Body, inertia: &Inertia, parts: &[(&Measured, Solid)], notes: &mut Vec<String>) {
+    let name = &body.original;
+    let [low, high] = around(parts.iter().map(|(_, solid)| solid.bounds));
+    let margin = (high - low) * 0.1;
+    let inside = (0..3).all(|k| (low[k] - margin[k]..=high[k] + margin[k]).contains(&inertia.com[k]));
+    if !inside {
+        notes.push(format!("the centre of mass of `{name}` lies outside of its mesh: check units and scale"));
+    }
+    let density = inertia.mass / parts.iter().map(|(_, solid)| solid.volume.abs()).sum::<f64>();
+    // Foam to gold.
+    if parts.iter().all(|(_, solid)| solid.closed) && !(10.0..=20_000.0).contains(&density) {
+        notes.push(format!("`{name}` would have a density of {density:.3e} kg/m^3: check units and scale"));
     }
 }
 
@@ -274,6 +369,108 @@ mod tests {
         assert_eq!(known.notes, [told]);
         let Form::Mesh { file: named, .. } = &known.bodies[1].shapes[0].form else { panic!("a mesh") };
         assert_eq!(named, "meshes/arm.stl");
+    }
+
+    /// Shapes of the arm in place of its mesh, 0.3 x 0.1 x 0.05 m with a corner at the origin.
+    fn arm(shapes: &[&str]) -> Mechanism {
+        let (start, end) = (ROBOT.find("<visual>").unwrap(), ROBOT.find("</link>\n</robot>").unwrap());
+        let text = format!("{}{}{}", &ROBOT[..start], shapes.concat(), &ROBOT[end..]);
+        crate::urdf::read(Path::new("urdf/r.urdf"), text.as_bytes(), true).unwrap()
+    }
+
+    const MESH: &str =
+        "<geometry><mesh filename='package://robot/meshes/arm.STL' scale='0.001 0.001 0.001'/></geometry>";
+
+    #[test]
+    fn a_link_without_mass_gets_that_of_all_shapes_that_are_seen() {
+        let shapes = [
+            &format!("<visual>{MESH}</visual>"),
+            &format!("<visual><origin xyz='1 0 0'/>{MESH}</visual>"),
+            "<visual><origin xyz='0 0 0.5'/><geometry><box size='0.1 0.1 0.3'/></geometry></visual>",
+            &format!("<collision><origin xyz='9 9 9'/>{MESH}</collision>"),
+        ];
+        let mut robot = arm(&shapes);
+        meshes(&mut robot, Path::new("urdf/r.urdf"), Some(1000.0), &disk).unwrap();
+        let inertia = robot.bodies[1].inertia.unwrap();
+        // 1.5 kg at (0.15, 0.05, 0.025) and at (1.15, 0.05, 0.025), 3 kg at (0, 0, 0.5).
+        assert!((inertia.mass - 6.0).abs() < 1e-12, "{inertia:?}");
+        let centre = Vector3::new(0.325, 0.025, 0.2625);
+        assert!((inertia.com - centre).norm() < 1e-12, "{inertia:?}");
+        // Each has m (x^2 + z^2) / 12 of its own, and the parallel axis theorem.
+        let own = 2.0 * 1.5 * (0.09 + 0.0025) / 12.0 + 3.0 * (0.01 + 0.09) / 12.0;
+        let away = |x: f64, z: f64| (x - centre.x).powi(2) + (z - centre.z).powi(2);
+        let expected = own + 1.5 * (away(0.15, 0.025) + away(1.15, 0.025)) + 3.0 * away(0.0, 0.5);
+        assert!((inertia.about_com[(1, 1)] - expected).abs() < 1e-12, "{inertia:?}");
+        assert_eq!(robot.notes.len(), 1);
+        assert!(robot.notes[0].ends_with("kg from its 3 shapes together"), "{:?}", robot.notes);
+    }
+
+    #[test]
+    fn a_mass_is_not_taken_from_a_part_of_what_is_seen() {
+        let read = |path: &Path| match path.ends_with("cap.dae") {
+            true => Ok(vec![1]),
+            false => disk(path),
+        };
+        let cap = "<visual>\n<geometry><mesh filename='cap.dae'/></geometry></visual>";
+        let seen = format!("<visual>{MESH}</visual>{cap}");
+        let file = Path::new("urdf/r.urdf");
+        let faults = meshes(&mut arm(&[&seen]), file, Some(1000.0), &read).unwrap_err();
+        let told: Vec<_> = faults.iter().map(|fault| (fault.line, fault.reason.as_str())).collect();
+        assert_eq!(
+            told,
+            [(Some(6), "`cap.dae`, which `arm` looks like, is passed on unread, so it gives no mass")]
+        );
+        assert_eq!(meshes(&mut arm(&[&seen]), file, None, &read).map(|files| files.len()), Ok(2));
+        // What collides is measured in its place.
+        let mut robot = arm(&[&seen, &format!("<collision>{MESH}</collision>")]);
+        meshes(&mut robot, file, Some(1000.0), &read).unwrap();
+        assert!((robot.bodies[1].inertia.unwrap().mass - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_stated_mass_is_held_against_all_shapes_that_are_seen() {
+        let stated = |mass: f64, x: f64| {
+            format!(
+                "<inertial><origin xyz='{x} 0 0'/><mass value='{mass}'/>\
+                 <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>"
+            )
+        };
+        let two = format!("<visual>{MESH}</visual><visual><origin xyz='1 0 0'/>{MESH}</visual>");
+        let notes = |mass: f64, x: f64| {
+            let mut robot = arm(&[&stated(mass, x), &two]);
+            meshes(&mut robot, Path::new("urdf/r.urdf"), None, &disk).unwrap();
+            robot.notes
+        };
+        // 0.003 m^3 from x = 0 to 1.3 m: 15000 kg/m^3, which would be 30000 of the first mesh alone.
+        assert_eq!(notes(45.0, 1.1), [""; 0]);
+        assert_eq!(notes(75.0, 1.1), ["`arm` would have a density of 2.500e4 kg/m^3: check units and scale"]);
+    }
+
+    #[test]
+    fn a_mesh_that_does_not_exist_is_missed_by_each_link_whose_mass_it_was_to_give() {
+        let link = |name: &str, inertial: &str, line: &str| {
+            let mesh = "<geometry><mesh filename='no.stl'/></geometry>";
+            format!(
+                "<link name='{name}'>{inertial}{line}<visual>{mesh}</visual><collision>{mesh}</collision></link>"
+            )
+        };
+        let inertial = "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>";
+        let joint = |child: &str| {
+            format!(
+                "<joint name='{child}j' type='continuous'><parent link='base'/><child link='{child}'/></joint>"
+            )
+        };
+        let links =
+            [link("a", inertial, ""), link("b", "", "\n"), link("c", "", "\n"), link("d", inertial, "")];
+        let joints = ["a", "b", "c", "d"].map(joint);
+        let text =
+            format!("<robot name='r'><link name='base'/>{}{}</robot>", links.concat(), joints.concat());
+        let file = Path::new("r.urdf");
+        let mut robot = crate::urdf::read(file, text.as_bytes(), true).unwrap();
+        let faults = meshes(&mut robot, file, Some(1000.0), &disk).unwrap_err();
+        let told: Vec<_> = faults.iter().map(|fault| (fault.line, fault.reason.as_str())).collect();
+        let missing = ["b", "c"].map(|name| format!("there is no mesh `no.stl`, which `{name}` looks like"));
+        assert_eq!(told, [(Some(2), missing[0].as_str()), (Some(3), missing[1].as_str())]);
     }
 
     #[test]

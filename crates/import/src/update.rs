@@ -48,11 +48,13 @@ pub fn differences(old: &str, new: &str) -> Differences {
 }
 
 /// Values of a parameter file by their paths, without comments and however they are laid out; none of a text that cannot be read.
-fn values(text: &str) -> BTreeMap<String, String> {
+pub(crate) fn values(text: &str) -> BTreeMap<String, String> {
     let mut values = BTreeMap::new();
     if let Ok(root) = read(text) {
         gather(text, &root, "", &mut values);
     }
+    // What the numbers refer to is compared on its own.
+    values.retain(|path, _| !path.starts_with("structure."));
     values
 }
 
@@ -76,10 +78,43 @@ fn gather(text: &str, node: &Node, path: &str, values: &mut BTreeMap<String, Str
 
 /// Lines of a diagram that name a number by its path (or one in a group), from 1.
 pub fn named_in(diagram: &str, path: &str) -> Vec<usize> {
-    let wanted = format!("model.{path}");
-    let ends = |rest: &str| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_');
-    let names = |line: &str| line.match_indices(&wanted).any(|(at, _)| ends(&line[at + wanted.len()..]));
-    diagram.lines().enumerate().filter(|(_, line)| names(line)).map(|(i, _)| i + 1).collect()
+    lines_with(diagram, &[format!("model.{path}")])
+}
+
+/// The same, and the lines that connect the frames of the blocks which have these numbers, whatever these are called by now.
+pub fn wired_in(diagram: &str, path: &str) -> Vec<usize> {
+    let number = format!("model.{path}");
+    let blocks = read(diagram).map(|root| blocks_with(diagram, &root, &number)).unwrap_or_default();
+    let ports =
+        blocks.iter().flat_map(|block| ["base", "follower", "frame"].map(|port| format!("{block}.{port}")));
+    lines_with(diagram, &std::iter::once(number.clone()).chain(ports).collect::<Vec<_>>())
+}
+
+/// Names of the innermost blocks whose parameters name a number.
+fn blocks_with(diagram: &str, node: &Node, number: &str) -> Vec<String> {
+    let members = node.members().unwrap_or_default();
+    let found = members.iter().flat_map(|(name, member)| {
+        let inner = blocks_with(diagram, member, number);
+        let is_block = member.word().is_some() && inner.is_empty();
+        match is_block && contains(&diagram[member.span.clone()], number) {
+            true => vec![name.text.clone()],
+            false => inner,
+        }
+    });
+    found.collect()
+}
+
+/// Lines that contain one of some names, from 1.
+fn lines_with(text: &str, names: &[String]) -> Vec<usize> {
+    let found = text.lines().enumerate().filter(|(_, line)| names.iter().any(|name| contains(line, name)));
+    found.map(|(i, _)| i + 1).collect()
+}
+
+/// Whether a text contains a name as a whole, or followed by `.`.
+fn contains(text: &str, name: &str) -> bool {
+    let goes_on = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    text.match_indices(name)
+        .any(|(at, _)| !text[..at].ends_with(goes_on) && !text[at + name.len()..].starts_with(goes_on))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! to second moments by the integral of a product of linear functions over a simplex.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 use blocksim_multibody::Inertia;
 use nalgebra::{Matrix3, Vector3};
@@ -27,6 +28,37 @@ pub struct Solid {
 }
 
 impl Solid {
+    /// A box with its centre at the origin, edges along x, y and z in m.
+    pub(crate) fn cuboid(size: [f64; 3]) -> Solid {
+        let [a, b, c] = size.map(|x| x * x / 12.0);
+        Solid::regular(size.iter().product(), [b + c, a + c, a + b], size.map(|x| x / 2.0))
+    }
+
+    /// A cylinder along z with its centre at the origin, m.
+    pub(crate) fn cylinder(radius: f64, length: f64) -> Solid {
+        let across = radius * radius / 4.0 + length * length / 12.0;
+        let volume = PI * radius * radius * length;
+        Solid::regular(volume, [across, across, radius * radius / 2.0], [radius, radius, length / 2.0])
+    }
+
+    /// A sphere about the origin, m.
+    pub(crate) fn sphere(radius: f64) -> Solid {
+        let volume = 4.0 / 3.0 * PI * radius.powi(3);
+        Solid::regular(volume, [0.4 * radius * radius; 3], [radius; 3])
+    }
+
+    /// About the origin, with squares of its radii of gyration and how far it reaches along the axes.
+    fn regular(volume: f64, gyration: [f64; 3], reach: [f64; 3]) -> Solid {
+        let reach = Vector3::from(reach);
+        Solid {
+            volume,
+            centre: Vector3::zeros(),
+            about_centre: Matrix3::from_diagonal(&(Vector3::from(gyration) * volume)),
+            bounds: [-reach, reach],
+            closed: true,
+        }
+    }
+
     /// Mass properties at a density, kg/m³; `None` where there is no inside.
     pub fn inertia(&self, density: f64) -> Option<Inertia> {
         let sign = self.volume.signum();
@@ -105,6 +137,22 @@ mod tests {
             assert!((found.about_centre - expected).abs().max() < 1e-15);
             assert!(found.closed);
         }
+    }
+
+    #[test]
+    fn boxes_cylinders_and_spheres_are_as_their_triangles() {
+        let size = [0.3, 0.5, 0.2];
+        let [exact, found] = [Solid::cuboid(size), solid(&cuboid(size.map(|x| -x / 2.0), size), [1.0; 3])];
+        assert!((exact.volume - found.volume).abs() < 1e-15 && exact.bounds == found.bounds);
+        assert!((exact.about_centre - found.about_centre).abs().max() < 1e-15);
+        // A rod is slender: m l^2 / 12 across, m r^2 / 2 along; a ball has 2/5 m r^2.
+        let rod = Solid::cylinder(0.001, 2.0);
+        assert!((rod.volume - 2e-6 * PI).abs() < 1e-18);
+        assert!((rod.about_centre[(0, 0)] / rod.volume - 4.0 / 12.0).abs() < 1e-6);
+        assert!((rod.about_centre[(2, 2)] / rod.volume - 0.5e-6).abs() < 1e-18);
+        let ball = Solid::sphere(0.5);
+        assert!((ball.volume - PI / 6.0).abs() < 1e-15);
+        assert!((ball.about_centre[(1, 1)] / ball.volume - 0.1).abs() < 1e-15);
     }
 
     #[test]

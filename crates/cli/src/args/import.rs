@@ -11,7 +11,8 @@ use super::values::NoNames;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Writes a diagram, a file of its numbers and, where axes follow each other, a description of the robot. \
-                  Where they exist only the numbers are brought up to date; the others are yours.\n\nExamples:\n  \
+                  Where they exist only the numbers are brought up to date, if the structure is the same; the others are \
+                  yours.\n\nExamples:\n  \
                   blocksim import arm.urdf --out arm\n  blocksim import arm.urdf --out arm --tip tool0\n  \
                   blocksim import arm.xml --data arm_DataFile.m --out arm"
 )]
@@ -30,13 +31,13 @@ pub struct ImportArgs {
     /// Body at the end of the robot, where joints branch or several frames end it.
     #[arg(long, value_name = "BODY")]
     pub tip: Option<String>,
-    /// Density for links without mass, which then is that of their mesh, such as `2700` or `"7850 kg/m^3"`.
+    /// Density for links without mass, which then is that of their meshes and other shapes, such as `2700` or `"7850 kg/m^3"`.
     #[arg(long, value_name = "DENSITY", value_parser = density)]
     pub density: Option<f64>,
     /// Leave meshes where they are, unread.
     #[arg(long, conflicts_with = "density")]
     pub no_meshes: bool,
-    /// Overwrite a parameter file even if it was changed by hand.
+    /// Overwrite a parameter file even if it was changed by hand or has another structure.
     #[arg(long)]
     pub yes: bool,
 }

@@ -199,6 +199,81 @@ fn importing_a_changed_file_brings_numbers_and_meshes_and_leaves_all_that_was_wi
     assert!(third.contains("no number differs") && !third.contains("mesh"), "{third}");
 }
 
+/// An arm of two links: `fore` hangs on `from`.
+fn arm(from: &str) -> String {
+    let link = |name: &str| {
+        format!(
+            "<link name='{name}'><inertial><mass value='1'/>\
+             <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>"
+        )
+    };
+    let joint = |name: &str, parent: &str, child: &str| {
+        format!(
+            "<joint name='{name}' type='continuous'><parent link='{parent}'/><child link='{child}'/>\
+             <origin xyz='0.3 0 0'/><axis xyz='0 1 0'/></joint>"
+        )
+    };
+    let links = ["<link name='base'/>".to_owned(), link("upper"), link("fore")].concat();
+    format!("<robot name='arm'>{links}{}{}</robot>", joint("a", "base", "upper"), joint("b", from, "fore"))
+}
+
+#[test]
+fn numbers_of_another_structure_are_not_put_into_a_diagram_without_a_word() {
+    let desk = Desk::with("structure", &[("arm.urdf", &arm("upper"))]);
+    desk.done(&["import", "arm.urdf", "--out", "m"]);
+    let before = desk.read("m/arm_parameters.ron");
+    desk.write("arm.urdf", &arm("base"));
+    let (code, _, err) = desk.call(&["import", "arm.urdf", "--out", "m"]);
+    assert_eq!(code, 4, "{err}");
+    let wired = desk.read("m/arm.ron");
+    let line = |text: &str| wired.lines().position(|line| line.contains(text)).unwrap() + 1;
+    let lines = [
+        line("\"b_seat\": Transform("),
+        line("model.joints.b.axis"),
+        line("model.joints.b.position"),
+        line("model.joints.b.damping"),
+        line("a.follower <-> upper.frame <-> b_seat.base"),
+        line("b_seat.follower <-> b.base"),
+        line("b.follower <-> fore.frame"),
+    ];
+    let lines = lines.map(|line| line.to_string()).join(", ");
+    for words in [
+        "error[exists]: `m/arm_parameters.ron` does not have the structure of `arm.urdf`",
+        &format!("`b` is carried by `base` (before by `upper`); arm.ron, line {lines}"),
+        "import into another folder",
+        "nothing has been written",
+    ] {
+        assert!(err.contains(words), "{words}: {err}");
+    }
+    assert_eq!(desk.read("m/arm_parameters.ron"), before);
+    // Elsewhere the diagram is made anew; here the numbers are taken over knowingly, with the lines to change.
+    desk.done(&["import", "arm.urdf", "--out", "n"]);
+    assert!(desk.read("n/arm.ron").contains("world.frame <-> a_seat.base <-> b_seat.base"));
+    let taken = desk.done(&["import", "arm.urdf", "--out", "m", "--yes"]);
+    assert!(
+        taken.contains(&format!(
+            "other structure: `b` is carried by `base` (before by `upper`); arm.ron, line {lines}"
+        )),
+        "{taken}"
+    );
+    assert_eq!(desk.read("m/arm.ron"), wired);
+    let same = desk.done(&["import", "arm.urdf", "--out", "m"]);
+    assert!(same.contains("no number differs") && !same.contains("structure"), "{same}");
+}
+
+#[test]
+fn a_parameter_file_that_was_changed_and_has_another_structure_is_refused_for_both() {
+    let desk = Desk::with("both", &[("arm.urdf", &arm("upper"))]);
+    desk.done(&["import", "arm.urdf", "--out", "m"]);
+    desk.write("m/arm_parameters.ron", &desk.read("m/arm_parameters.ron").replace("\"1 kg\"", "\"2 kg\""));
+    desk.write("arm.urdf", &arm("base"));
+    let (code, _, err) = desk.call(&["import", "arm.urdf", "--out", "m"]);
+    assert_eq!(code, 4, "{err}");
+    for words in ["was changed since the last import", "`b` is carried by `base` (before by `upper`)"] {
+        assert!(err.contains(words), "{words}: {err}");
+    }
+}
+
 #[test]
 fn a_description_that_came_later_is_written_and_told_to_a_diagram_that_does_not_name_it() {
     let desk = Desk::with("later", &[("rods.urdf", RODS)]);

@@ -142,6 +142,19 @@ fn ends(joint: &Joint) -> [String; 2] {
     }
 }
 
+/// The kind of the block of a joint.
+pub(super) fn kind(motion: Motion) -> &'static str {
+    match motion {
+        Motion::Weld => "Transform",
+        Motion::Revolute { .. } => "RevoluteJoint",
+        Motion::Prismatic { .. } => "PrismaticJoint",
+        Motion::Cylindrical => "CylindricalJoint",
+        Motion::Planar => "PlanarJoint",
+        Motion::Spherical => "SphericalJoint",
+        Motion::Free => "FreeJoint",
+    }
+}
+
 fn joint_blocks(joint: &Joint, looped: bool, blocks: &mut Vec<(String, String)>, wires: &mut Vec<String>) {
     let name = &joint.name;
     let path = format!("model.joints.{name}");
@@ -157,14 +170,7 @@ fn joint_blocks(joint: &Joint, looped: bool, blocks: &mut Vec<(String, String)>,
     blocks.push((seat.clone(), place("Transform", &path, &seat)));
     let mut members = Vec::new();
     let member = |name: &str| format!("{name}: \"{path}.{name}\"");
-    let kind = match joint.motion {
-        Motion::Revolute { .. } => "RevoluteJoint",
-        Motion::Prismatic { .. } => "PrismaticJoint",
-        Motion::Cylindrical => "CylindricalJoint",
-        Motion::Planar => "PlanarJoint",
-        Motion::Spherical => "SphericalJoint",
-        Motion::Free | Motion::Weld => "FreeJoint",
-    };
+    let kind = kind(joint.motion);
     if matches!(joint.motion, Motion::Revolute { .. } | Motion::Prismatic { .. }) {
         members.push(member("axis"));
     }

@@ -2,7 +2,7 @@
 
 use blocksim_multibody::{Inertia, Placement};
 
-use super::diagram::{line, quoted};
+use super::diagram::{kind, line, quoted};
 use super::number::{angle, angles, angular, plain, rpy, vector, with_unit};
 use crate::chain::{Chain, ChainLink};
 use crate::mechanism::{Body, Form, Joint, Mechanism, Motion, Role, Shape, Start};
@@ -46,6 +46,7 @@ pub fn parameters(mechanism: &Mechanism, chain: Option<&Chain>, provenance: &Pro
     if let Some(chain) = chain {
         chain_group(mechanism, chain, &mut out);
     }
+    structure_group(mechanism, chain, &mut out);
     out.push_str(")\n");
     out
 }
@@ -94,6 +95,32 @@ fn chain_group(mechanism: &Mechanism, chain: &Chain, out: &mut String) {
         out.push_str("    // For the robot description: places and bodies in the frame of the axis that carries them.\n");
         out.push_str(&format!("    chain: (\n{members}    ),\n"));
     }
+}
+
+/// What the numbers refer to, for the next import: it must not put them into a diagram of another structure.
+fn structure_group(mechanism: &Mechanism, chain: Option<&Chain>, out: &mut String) {
+    let name = |body: Option<usize>| body.map(|body| mechanism.bodies[body].name.as_str());
+    let text = |text: &str| format!("Text({})", quoted(text));
+    out.push_str("    // What the numbers refer to; the next import compares it.\n    structure: (\n        joints: (\n");
+    for joint in &mechanism.joints {
+        let base = name(joint.base).unwrap_or("world");
+        let follower = name(Some(joint.follower)).unwrap_or_default();
+        let parts = [("kind", kind(joint.motion)), ("base", base), ("follower", follower)];
+        let parts = parts.map(|(part, value)| format!("{part}: {}", text(value)));
+        entry(out, 12, &joint.name, &super::call("", &parts, 14 + joint.name.len(), 12));
+    }
+    out.push_str("        ),\n");
+    if let Some(chain) = chain {
+        let axes: Vec<String> =
+            chain.links.iter().map(|link| text(&mechanism.joints[link.joint].name)).collect();
+        let flange = name(chain.flange_body).unwrap_or_default();
+        let parts = [
+            format!("axes: {}", super::between(["[", "]"], &axes, 22, 12)),
+            format!("flange: {}", text(flange)),
+        ];
+        entry(out, 8, "chain", &super::call("", &parts, 15, 8));
+    }
+    out.push_str("    ),\n");
 }
 
 /// Whether the place of an axis is the one that the file gives it.

@@ -3,3 +3,4 @@
 mod assemblies;
 mod damaged;
 mod data_files;
+mod structure;

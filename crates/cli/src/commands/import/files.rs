@@ -8,8 +8,8 @@ use std::time::SystemTime;
 use blocksim_diagram::fingerprint;
 use blocksim_import::smidata::{self, SmiData};
 use blocksim_import::{
-    Chain, Differences, Files, Mechanism, MeshFile, Provenance, diagram, differences, file_name, named_in,
-    parameters, robot,
+    Chain, Differences, Files, Mechanism, MeshFile, Part, Provenance, diagram, differences, file_name,
+    named_in, parameters, restructured, robot, wired_in,
 };
 use blocksim_recording::{MOST_TEXT, clock::iso, limited_bytes, limited_text, write_whole};
 
@@ -49,23 +49,32 @@ fn about(sources: &[Source]) -> (Provenance, String) {
 pub fn numbers(args: &ImportArgs, data: &SmiData, sources: &[Source]) -> Result<String, Failure> {
     let (provenance, stem) = about(sources);
     let text = smidata::parameters(data, &provenance);
-    bring(&args.out, &format!("{stem}.ron"), &text, &[], args.yes)
+    let name = format!("{stem}.ron");
+    let place = args.out.join(&name);
+    let before = existing(&place)?;
+    refuse(&place, before.as_deref(), &[], args)?;
+    bring(&args.out, &name, &text, &[], before.as_deref())
 }
 
 /// A file that names numbers: its name and its text.
 type Wired = (String, String);
 
 /// Writes a parameter file, or a newer one in its place; what is told about it.
-fn bring(folder: &Path, name: &str, text: &str, wired: &[Wired], replace: bool) -> Result<String, Failure> {
+fn bring(
+    folder: &Path,
+    name: &str,
+    text: &str,
+    wired: &[Wired],
+    before: Option<&str>,
+) -> Result<String, Failure> {
     fs::create_dir_all(folder).map_err(|error| uncreated(folder, &error))?;
-    let before = old(&folder.join(name), replace)?;
     let fresh = seal(text);
     let path = put(folder, name, &fresh)?;
     Ok(match before {
         None => format!("wrote {path}\n"),
         Some(before) => {
-            let found = differences(&before, &fresh);
-            format!("updated {path}: {}\n{}", counts(&found), listed(&found, &before, &fresh, wired))
+            let found = differences(before, &fresh);
+            format!("updated {path}: {}\n{}", counts(&found), listed(&found, before, &fresh, wired))
         }
     })
 }
@@ -85,16 +94,21 @@ pub fn write(
     let (provenance, stem) = about(sources);
     let [numbers, model, described] =
         ["_parameters", "", "_robot"].map(|ending| format!("{stem}{ending}.ron"));
-    // Refused before anything is written.
-    old(&args.out.join(&numbers), args.yes)?;
+    let place = args.out.join(&numbers);
+    let before = existing(&place)?;
     let [wired, robotic] = [&model, &described].map(|name| existing(&args.out.join(name)));
     let (wired, robotic) = (wired?, robotic?);
-    let mut told = put_meshes(&args.out, meshes)?;
     let text = parameters(mechanism, chain, &provenance);
     let own = [(&model, &wired), (&described, &robotic)];
     let own: Vec<Wired> =
         own.iter().filter_map(|(name, text)| Some(((*name).clone(), (*text).clone()?))).collect();
-    told.push_str(&bring(&args.out, &numbers, &text, &own, args.yes)?);
+    let imported = before.as_deref().filter(|before| sealed(before) != Seal::Missing);
+    let misfits = imported.map(|before| misfits(before, &text, &own, &described)).unwrap_or_default();
+    // Refused before anything is written.
+    refuse(&place, before.as_deref(), &misfits, args)?;
+    let mut told = put_meshes(&args.out, meshes)?;
+    told.push_str(&bring(&args.out, &numbers, &text, &own, before.as_deref())?);
+    misfits.iter().for_each(|misfit| told.push_str(&format!("  other structure: {misfit}\n")));
     let files = Files {
         source: &provenance.source,
         diagram: &model,
@@ -193,19 +207,50 @@ fn existing(path: &Path) -> Result<Option<String>, Failure> {
     }
 }
 
-/// The parameter file of the last import, unless somebody has changed it since.
-fn old(path: &Path, replace: bool) -> Result<Option<String>, Failure> {
-    let Some(text) = existing(path)? else { return Ok(None) };
-    let why = match sealed(&text) {
-        Seal::Whole => return Ok(Some(text)),
-        Seal::Broken => "was changed since the last import",
-        Seal::Missing => "was not written by an import",
+/// Refuses to write over a parameter file that was changed by hand, or whose numbers refer to another structure.
+fn refuse(place: &Path, before: Option<&str>, misfits: &[String], args: &ImportArgs) -> Result<(), Failure> {
+    let Some(before) = before.filter(|_| !args.yes) else { return Ok(()) };
+    let edited = match sealed(before) {
+        Seal::Whole => None,
+        Seal::Broken => Some("was changed since the last import"),
+        Seal::Missing => Some("was not written by an import"),
     };
-    if replace {
-        return Ok(Some(text));
+    let (why, help) = match edited {
+        Some(why) => (why.to_owned(), "keep own numbers in another file, or overwrite this one with --yes"),
+        None if misfits.is_empty() => return Ok(()),
+        None => (
+            format!("does not have the structure of `{}`", args.file.display()),
+            "import into another folder, or change what is named here and bring the numbers in with --yes",
+        ),
+    };
+    let failure = Failure::new(Exit::Files, "exists", format!("`{}` {why}", place.display()));
+    let failure = misfits.iter().take(MOST_MISFITS).fold(failure, Failure::note);
+    let failure = match misfits.len().saturating_sub(MOST_MISFITS) {
+        0 => failure,
+        more => failure.note(format!("and {more} more")),
+    };
+    Err(failure.help(format!("{help}; nothing has been written")))
+}
+
+/// Most differences of structure in one message.
+const MOST_MISFITS: usize = 20;
+
+/// What was made by another structure than the new numbers refer to, and the lines that show it.
+fn misfits(before: &str, fresh: &str, wired: &[Wired], described: &str) -> Vec<String> {
+    let mut told = Vec::new();
+    for found in restructured(before, fresh) {
+        let lines = |(file, text): &Wired| {
+            let Part::Diagram(path) = &found.part else { return None };
+            let lines: Vec<String> = wired_in(text, path).iter().map(ToString::to_string).collect();
+            (!lines.is_empty()).then(|| format!("; {file}, line {}", lines.join(", ")))
+        };
+        told.push(match found.part {
+            Part::Robot if wired.iter().all(|(file, _)| file != described) => continue,
+            Part::Robot => format!("{}; {described}", found.what),
+            _ => format!("{}{}", found.what, wired.iter().filter_map(lines).collect::<String>()),
+        });
     }
-    let help = "keep own numbers in another file, or overwrite this one with --yes; nothing has been written";
-    Err(Failure::new(Exit::Files, "exists", format!("`{}` {why}", path.display())).help(help))
+    told
 }
 
 fn counts(found: &Differences) -> String {
