@@ -41,7 +41,9 @@ impl Block for Network {
         self.show(group, c, w, y);
         for seat in self.active.measures[group].iter().map(|i| &self.seats[*i]) {
             if let (ELECTRICS, Some(held)) = (group, &seat.held) {
-                self.measure_mean(c, seat, held, w, &mut y[seat.y.clone()]);
+                let mut instant = std::mem::take(&mut w.instant);
+                self.measure_mean(c, (seat, held), w, &mut instant, &mut y[seat.y.clone()]);
+                w.instant = instant;
             } else {
                 self.measure(c, seat, group, w, &mut y[seat.y.clone()]);
             }

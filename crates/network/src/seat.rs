@@ -128,6 +128,8 @@ pub(crate) struct Held {
     pub course: Range<usize>,
     /// Means over the step: states, voltages and currents of the two-pins, space vector and zero sequence of the supply.
     pub mean: Range<usize>,
+    /// Cells of outputs that show the beginning of the step, not means: states, currents and fluxes.
+    pub instants: Vec<usize>,
     /// Integrals of the same since the last hit, where the coupling step is taken in parts.
     pub sum: Range<usize>,
     /// These integrals as they were when the step at hand began.

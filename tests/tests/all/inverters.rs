@@ -123,6 +123,77 @@ fn separate_is_as_together(sampling: &str) {
     }
 }
 
+/// Coils keep currents and fluxes going: parts in a separate circuit show those of the instant, as sensors in series with them do, and as
+/// without separation, whatever they follow from.
+#[test]
+fn parts_of_a_separate_circuit_show_the_currents_and_fluxes_of_the_instant() {
+    let text = |integration: &str| {
+        format!(
+            r#"Diagram(
+  simulation: (stop_time: "80 ms", solver: Ode45(rtol: 1e-7), output: Every("2 ms")),
+  blocks: {{
+    "inv": SwitchedInverter(vdc: "300 V", switching_frequency: "2 kHz", integration: {integration}),
+    "v": Constant(value: "120 V"), "f": Constant(value: "40 Hz"), "sp": PhaseSplitter, "g": ElectricalReference,
+    "am": AsynchronousMachine(rated_power: "15 kVA", rated_voltage: "220 V", rated_frequency: "60 Hz", pole_pairs: 2, r_s: "0.25 Ohm",
+        x_ls: "0.9 Ohm", r_r: "0.14 Ohm", x_lr: "0.41 Ohm", x_m: "17 Ohm", connection: Wye),
+    "j": Inertia(j: "5e-3 kg*m^2"), "d": RotationalDamper(d: "0.01 N*m*s/rad"), "h": RotationalReference, "rc": Resistor(r: "300 ohm"),
+    "mw": MagneticWinding(turns: 200, r: "0.8 ohm"), "cw": CurrentSensor, "fs": FluxSensor, "mr": MagneticReference,
+    "mc": MagneticCore(length: "0.2 m", area: "4 cm^2", mu_r: 500, saturation: "1 T"),
+    "l": Inductor(l: "10 mH"), "sw": IdealSwitch, "one": Constant(value: true), "it": IdealTransformer(ratio: 2),
+    "r2": Resistor(r: "20 ohm"), "c2": CurrentSensor,
+    "s": Scope(inputs: ["w", "winding", "cw", "flux", "fs", "b", "l", "switch", "i2", "c2", "ids", "pu_ids"]),
+  }},
+  connections: [
+    "v.y -> inv.v", "f.y -> inv.f", "inv.ac <-> am.ac <-> sp.ac", "am.r <-> j.r <-> d.r", "am.c <-> d.c <-> h.r", "am.velocity -> s.w",
+    "sp.c <-> rc.p", "rc.n <-> g.p", "sp.a <-> cw.p", "cw.n <-> mw.p", "sp.b <-> mw.n", "mw.mp <-> fs.p", "fs.n <-> mc.p",
+    "mw.mn <-> mc.n <-> mr.p", "mw.i -> s.winding", "cw.i -> s.cw", "mc.flux -> s.flux", "fs.flux -> s.fs", "mc.b -> s.b",
+    "one.y -> sw.gate", "sp.b <-> l.p", "l.n <-> sw.p", "sw.n <-> it.p1", "it.n1 <-> sp.c", "it.p2 <-> c2.p", "c2.n <-> r2.p",
+    "it.n2 <-> r2.n <-> g.p", "l.i -> s.l", "sw.i -> s.switch", "it.i2 -> s.i2", "c2.i -> s.c2", "am.i_ds -> s.ids",
+    "am.pu_ids -> s.pu_ids",
+  ],
+)"#
+        )
+    };
+    let together = run_text(&text("Together"));
+    for periods in [1, 4] {
+        let run = run_text(&text(&format!("Separate(periods: {periods})")));
+        // Rows before events at one time are left out.
+        let at = |run: &Run, name: &str, t: f64| {
+            let row = run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row");
+            run.column(&format!("s.{name}"))[row]
+        };
+        for t in (1..10).map(|k| 8e-3 * f64::from(k)) {
+            let of = |name: &str| at(&run, name, t);
+            for (part, sensor) in [("winding", "cw"), ("flux", "fs"), ("switch", "l")] {
+                assert!(
+                    (of(part) - of(sensor)).abs() < 1e-6 * of(sensor).abs(),
+                    "{part} {periods} at {t}: {} {}",
+                    of(part),
+                    of(sensor)
+                );
+            }
+            assert!(
+                (of("i2").abs() - of("c2").abs()).abs() < 1e-6,
+                "{periods} at {t}: {} {}",
+                of("i2"),
+                of("c2")
+            );
+            assert!((of("b") - of("flux") / 4e-4).abs() < 1e-6, "{periods} at {t}");
+            for name in ["w", "winding", "flux", "b", "switch", "i2", "ids", "pu_ids"] {
+                let (found, expected) = (of(name), at(&together, name, t));
+                let size = together
+                    .column(&format!("s.{name}"))
+                    .iter()
+                    .fold(0.0_f64, |most, value| most.max(value.abs()));
+                assert!(
+                    (found - expected).abs() < 2e-4 * size,
+                    "{name} {periods} at {t} s: {found}, not {expected}"
+                );
+            }
+        }
+    }
+}
+
 /// Instants at which a carrier begins say nothing of voltages: all legs are low.
 #[test]
 fn a_separate_circuit_shows_the_means_of_what_switches() {

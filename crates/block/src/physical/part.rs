@@ -43,6 +43,8 @@ pub struct Part {
     /// The number of the network that each output is; none where the component computes it, as in
     /// [`measure_state`](super::Component::measure_state).
     pub readings: Vec<Option<Reading>>,
+    /// Which outputs are currents in per unit.
+    pub currents_per_unit: Vec<usize>,
     /// Continuous states.
     pub states: Vec<State>,
     /// States that may go on moving where everything else is steady, by number.
@@ -153,6 +155,12 @@ impl Part {
     /// Adds a scalar output in a unit.
     pub fn measures(self, name: &str, unit: &str, needs: Needs, doc: &'static str) -> Self {
         self.output(Output::real(name).unit(unit).doc(doc), needs)
+    }
+
+    /// The last output is a current, although its unit does not say so.
+    pub fn is_current(mut self) -> Self {
+        self.currents_per_unit.extend(self.outputs.len().checked_sub(1));
+        self
     }
 
     /// Adds a scalar output in a unit that is a number of the network.

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use std::ops::Range;
 
 use blocksim_block::event::{Change, Event, Subject};
-use blocksim_block::physical::{Domain, Element, LossModel, Needs, ValveKind};
+use blocksim_block::physical::{Domain, Element, LossModel, Needs, Part, ValveKind};
 use blocksim_block::{Crossing, Discrete, Guard, Input, Interface, JumpPhrase, Output, State};
 use blocksim_multibody::Joint;
+use blocksim_signal::Unit;
 
 use crate::accounts::Accounts;
 use crate::assembly::grids::Grid;
@@ -533,6 +534,7 @@ fn hold(
         torque,
         course,
         mean,
+        instants: instants(part),
         sum,
         sum_before,
         owed,
@@ -548,6 +550,24 @@ fn hold(
         inputs,
     };
     (x, d, Some(held))
+}
+
+/// Cells of the outputs that say something at an instant of a circuit that switches: coils and inertia keep states, currents and fluxes going,
+/// while voltages jump, and what is made of them.
+fn instants(part: &Part) -> Vec<usize> {
+    let through = ["A", "Wb", "T"].map(|unit| Unit::parse(unit).ok().map(|unit| unit.dimension));
+    let mut cells = Vec::new();
+    let mut next = 0;
+    for (place, (output, needs)) in part.outputs.iter().enumerate() {
+        let own = next..next + output.port_type.shape.len();
+        next = own.end;
+        let is_current =
+            through.contains(&output.port_type.dimension) || part.currents_per_unit.contains(&place);
+        if *needs == Needs::State || is_current {
+            cells.extend(own);
+        }
+    }
+    cells
 }
 
 /// Declares the outputs of a member; returns, for each group, the needs of the outputs that its component computes, and the

@@ -117,16 +117,25 @@ impl Network {
         }
     }
 
-    /// Lets a member of such a circuit measure what needs voltages: on the mean of a coupling step.
-    pub(crate) fn measure_mean(&self, c: &Context, seat: &Seat, held: &Held, w: &Work, y: &mut [f64]) {
+    /// Lets a member of such a circuit measure what needs voltages: on the mean of a coupling step. Its currents are those of the instant;
+    /// `instant` has room for them.
+    pub(crate) fn measure_mean(
+        &self,
+        c: &Context,
+        (seat, held): (&Seat, &Held),
+        w: &Work,
+        instant: &mut [f64],
+        y: &mut [f64],
+    ) {
         let law = self.flowing_law(c, seat, w);
         let elements = &seat.member.part.elements;
         let reads_currents = elements.iter().all(|e| matches!(e, Element::CurrentProbe { .. }));
+        seat.measure_flowing(&law, ELECTRICS, y);
         // Before the first step there is nothing to be averaged.
         if c.d[held.times + 1] <= 0.0 || reads_currents {
-            seat.measure_flowing(&law, ELECTRICS, y);
             return;
         }
+        held.instants.iter().zip(&mut *instant).for_each(|(&cell, now)| *now = y[cell]);
         let means = &c.d[held.mean.clone()];
         let (x, rest) = means.split_at(seat.x.len());
         let (voltage, rest) = rest.split_at(seat.two_pins.len());
@@ -135,6 +144,7 @@ impl Network {
         let mut mean = Flowing { voltage, current, ..law };
         (mean.x, mean.supply) = (x, &supply);
         seat.measure_flowing(&mean, ELECTRICS, y);
+        held.instants.iter().zip(instant).for_each(|(&cell, now)| y[cell] = *now);
     }
 
     /// In how many parts a circuit is to take the coupling step that begins now, by what the last ones have shown.

@@ -56,6 +56,8 @@ pub(crate) struct Work {
     pub pin_torque: Vec<f64>,
     pub supply: Vec<Supply>,
     pub line_current: Vec<[f64; 3]>,
+    /// Room for currents that a member of a separate circuit shows.
+    pub instant: Vec<f64>,
     /// Voltages and currents that components give.
     pub given: Vec<f64>,
     /// States of members with capacitances that sources add to.
@@ -181,6 +183,7 @@ impl Work {
             pin_torque: vec![0.0; r.pins.len()],
             supply: vec![Supply::default(); network.supplies],
             line_current: vec![[0.0; 3]; network.supplies],
+            instant: vec![0.0; network.seats.iter().map(|seat| seat.y.len()).max().unwrap_or_default()],
             given,
             own: vec![0.0; network.seats.iter().filter(|s| s.shifted.is_some()).map(|s| s.x.len()).sum()],
             voltage: vec![0.0; network.electrics.two_pins],
