@@ -76,6 +76,9 @@ impl Token {
     }
 }
 
+/// What some editors of Windows begin a text in UTF-8 with; it is no part of the text.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// Most bytes of a text.
 pub(crate) const LONGEST: usize = u32::MAX as usize;
 
@@ -109,6 +112,9 @@ impl<'a> Tokens<'a> {
     /// Passes white space.
     fn skip_white_space(&mut self) {
         let bytes = self.text.as_bytes();
+        if self.at == 0 && self.text.starts_with(BYTE_ORDER_MARK) {
+            self.at = BYTE_ORDER_MARK.len_utf8();
+        }
         while let Some(byte) = bytes.get(self.at) {
             match byte {
                 b' ' | b'\t'..=b'\r' => self.at += 1,
@@ -337,6 +343,16 @@ mod tests {
         assert_eq!(first("\"a\nb\", c"), Some(("\"a\nb\"", true)));
         assert_eq!(first("\"a\n \"b\", c"), Some(("\"a", false)));
         assert_eq!(first("\"a\nb"), Some(("\"a", false)));
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_passed_at_the_start_alone() {
+        let kinds = |text: &str| Tokens::new(text).map(|token| (token.start(), token.kind)).collect::<Vec<_>>();
+        assert_eq!(kinds("\u{feff}a"), [(3, TokenKind::Word)]);
+        assert_eq!(kinds("\u{feff} // a"), [(4, TokenKind::LineComment)]);
+        assert_eq!(kinds("\u{feff}"), []);
+        assert_eq!(kinds("a \u{feff}"), [(0, TokenKind::Word), (2, TokenKind::Other)]);
+        assert!(crate::read("\u{feff}(a: 1)").is_ok() && crate::read("\u{feff}\u{feff}(a: 1)").is_err());
     }
 
     #[test]
