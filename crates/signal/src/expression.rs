@@ -251,9 +251,36 @@ impl<'a, M: Meaning> Parser<'a, M> {
         let mut reader = UnitReader::new(self.lexemes, self.at, &is_name);
         let factor = reader.greedy()?;
         let (first, end) = (self.at, reader.at);
+        if M::COMPARES {
+            self.is_clear(first, end)?;
+        }
         self.at = end;
         self.notes.unit(&self.text[self.lexemes[first].span.start..self.end()], factor);
         Ok(factor)
+    }
+
+    /// Refuses a unit by which a name of a law is multiplied, to look at: `1/s*V`, where `V` is a state. Brackets make it clear.
+    fn is_clear(&self, first: usize, end: usize) -> Result<(), ExprError> {
+        let mut depth = 0;
+        for at in first..end {
+            match self.lexemes[at].token {
+                Token::Sign('(') => depth += 1,
+                Token::Sign(')') => depth -= 1,
+                Token::Word(word) if depth == 0 && at > first => {
+                    if self.lexemes[at - 1].token == Token::Sign('*') && self.is_name(word) {
+                        let unit = &self.text[self.lexemes[first].span.start..self.lexemes[at].span.end];
+                        let before =
+                            &self.text[self.lexemes[first].span.start..self.lexemes[at - 2].span.end];
+                        let error = format!("`{word}` may be a unit or a name of the law here");
+                        return Err(ExprError::new(self.lexemes[at].span.clone(), error).help(format!(
+                            "write `{before} * {word}` for the name, `[{unit}]` for the unit"
+                        )));
+                    }
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// `[unit]`.

@@ -347,7 +347,8 @@ mod tests {
 
     #[test]
     fn a_byte_order_mark_is_passed_at_the_start_alone() {
-        let kinds = |text: &str| Tokens::new(text).map(|token| (token.start(), token.kind)).collect::<Vec<_>>();
+        let kinds =
+            |text: &str| Tokens::new(text).map(|token| (token.start(), token.kind)).collect::<Vec<_>>();
         assert_eq!(kinds("\u{feff}a"), [(3, TokenKind::Word)]);
         assert_eq!(kinds("\u{feff} // a"), [(4, TokenKind::LineComment)]);
         assert_eq!(kinds("\u{feff}"), []);

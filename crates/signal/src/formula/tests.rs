@@ -61,6 +61,28 @@ fn numbers_with_units_are_in_si_and_names_end_units() {
     assert_eq!(formula("-2^2").nodes().len(), 4);
 }
 
+/// A unit takes all symbols that are joined to it without spaces: of a name that is a symbol it must be clear what it is.
+#[test]
+fn a_name_that_may_be_a_factor_of_a_unit_is_made_clear() {
+    let parse = |text: &str| Formula::parse(text, &["V", "m", "s"]);
+    let refused = |text: &str| {
+        let error = parse(text).expect_err(text);
+        (text[error.span.clone()].to_owned(), error.help.clone().unwrap_or_default())
+    };
+    let (place, help) = refused("-0.5 1/s*V");
+    assert_eq!((&*place, &*help), ("V", "write `1/s * V` for the name, `[1/s*V]` for the unit"));
+    assert_eq!(refused("2 N*m + 1").0, "m");
+    assert_eq!(refused("(1 + 2) kg*m").0, "m");
+    let names = |text: &str| {
+        parse(text).expect(text).names().iter().map(|(name, _)| (*name).to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(names("-0.5 1/s * V"), ["V"]);
+    assert_eq!(names("-0.5 [1/s*V]"), [""; 0]);
+    assert_eq!(names("5 m/s + s + 3 V"), ["s"]);
+    assert_eq!(names("2 N*mm"), [""; 0]);
+    assert_eq!(names("2*V*m"), ["V", "m"]);
+}
+
 #[test]
 fn comparisons_bind_loosest_and_do_not_chain() {
     let formula = formula("u + 1 <= 2 * x");
