@@ -363,3 +363,38 @@ fn a_varistor_charges_a_capacitor_with_the_peaks_of_a_source() {
         assert!((found - expected).abs() < 2e-2, "{method}: {found} V, not {expected} V");
     }
 }
+
+/// When a valve is on the edge, the circuit is looked at a little later; a guess of a millisecond goes too far for a steep law, and there the
+/// circuit has no operating point. References: methods that have nothing in common.
+#[test]
+fn a_look_ahead_into_states_that_never_come_ends_no_run() {
+    let run = |solver: &str| {
+        circuit(
+            &format!(r#"stop_time: "19.4 ms", solver: {solver}, output: Every("1 ms")"#),
+            r#""c": Capacitor(c: "59.5 uF"), "e": AcVoltageSource(amplitude: Peak("30.1 V"), frequency: "1 kHz"),
+               "s0": IdealSwitch(r_on: "0 ohm", g_off: "1 mS"), "on": Constant(value: true),
+               "v": Igbt(v_f: "1.2 V", r_on: "0.1 ohm", g_off: "1 mS"), "p": Pulse(period: "1 ms", width: 0.7, delay: "0.2 ms"),
+               "gate": Compare(operator: Greater, constant: 0.5), "d": ExponentialDiode(i_s: "4 nA", n: 1.9),
+               "t": Transformer(ratio: 1, l_m: "0.265 H", l1: "1 mH", l2: "1 mH", r1: "0.3 ohm", r2: "0.1 ohm")"#,
+            r#""on.y -> s0.gate", "p.y -> gate.u", "gate.y -> v.gate", "g.p <-> c.n <-> v.n <-> d.p <-> t.p2", "c.p <-> e.p <-> t.n2",
+               "e.n <-> s0.p <-> v.p <-> t.n1", "s0.n <-> d.n <-> t.p1", "c.v -> s.v", "t.i1 -> s.i""#,
+            r#""v", "i""#,
+        )
+    };
+    let reference = run("Radau5(rtol: 1e-9)");
+    assert!(reference.column("s.v").iter().any(|v| v.abs() > 1.0));
+    for solver in ["Auto(rtol: 1e-7)", "Dop853(rtol: 1e-8)", "Ode15s(rtol: 1e-8)", "Rodas4(rtol: 1e-8)"] {
+        let run = run(solver);
+        for name in ["s.v", "s.i"] {
+            let size = reference.column(name).iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            for k in 0..20 {
+                let t = 1e-3 * f64::from(k);
+                let (found, expected) = (run.at(name, t), reference.at(name, t));
+                assert!(
+                    (found - expected).abs() < 1e-4 * size,
+                    "{solver} {name}: {found}, not {expected}, at {t} s"
+                );
+            }
+        }
+    }
+}

@@ -20,6 +20,9 @@ const ROUNDING: f64 = 1e-13;
 const GUESS: f64 = 1e-3;
 /// Times that it is guessed.
 const GUESSES: usize = 4;
+/// What part of a time so far ahead that the circuit has no operating point there is looked at instead, and how often.
+const NEARER: f64 = 1e-2;
+const RETREATS: usize = 6;
 /// What is small against what the circuit has had before is looked at as if it were this part of it.
 const QUIET: f64 = 1e-4;
 
@@ -128,13 +131,25 @@ impl Network {
             ahead.rates[self.seats[shift.member].x.start + shift.state] -= self.shift_rate(shift, w);
         }
         let mut later = GUESS;
-        for _ in 0..GUESSES {
+        let (mut guesses, mut retreats) = (GUESSES, RETREATS);
+        while guesses > 0 {
             ahead.x.copy_from_slice(c.x);
             for i in seats().flat_map(|seat| seat.x.clone()) {
                 ahead.x[i] += later * ahead.rates[i];
             }
             let here = Context { t: c.t + later, x: &ahead.x, ..*c };
-            self.circuit(island, &here, w)?;
+            let is_sound = !c.fault.is_raised();
+            match self.circuit(island, &here, w) {
+                Ok(()) => guesses -= 1,
+                // The states will not come there: this is no fault of the circuit now.
+                Err(_) if is_sound && retreats > 0 => {
+                    c.fault.take();
+                    retreats -= 1;
+                    later *= NEARER;
+                    continue;
+                }
+                Err(fault) => return Err(fault),
+            }
             let change = self.change(island, w, &ahead.given, size);
             if change <= 2.0 * CHANGE || !change.is_finite() {
                 break;
