@@ -262,25 +262,24 @@ impl<'a, M: Meaning> Parser<'a, M> {
     /// Refuses a unit by which a name of a law is multiplied, to look at: `1/s*V`, where `V` is a state. Brackets make it clear.
     fn is_clear(&self, first: usize, end: usize) -> Result<(), ExprError> {
         let mut depth = 0;
+        let mut unclear = None;
         for at in first..end {
+            let is_factor = depth == 0 && at > first && self.lexemes[at - 1].token == Token::Sign('*');
             match self.lexemes[at].token {
                 Token::Sign('(') => depth += 1,
                 Token::Sign(')') => depth -= 1,
-                Token::Word(word) if depth == 0 && at > first => {
-                    if self.lexemes[at - 1].token == Token::Sign('*') && self.is_name(word) {
-                        let unit = &self.text[self.lexemes[first].span.start..self.lexemes[at].span.end];
-                        let before =
-                            &self.text[self.lexemes[first].span.start..self.lexemes[at - 2].span.end];
-                        let error = format!("`{word}` may be a unit or a name of the law here");
-                        return Err(ExprError::new(self.lexemes[at].span.clone(), error).help(format!(
-                            "write `{before} * {word}` for the name, `[{unit}]` for the unit"
-                        )));
-                    }
+                Token::Word(word) if is_factor && self.is_name(word) => {
+                    unclear.get_or_insert((at, word));
                 }
                 _ => {}
             }
         }
-        Ok(())
+        let Some((at, word)) = unclear else { return Ok(()) };
+        let written = |end: usize| &self.text[self.lexemes[first].span.start..self.lexemes[end].span.end];
+        let error = format!("`{word}` may be a unit or a name of the law here");
+        let help =
+            format!("write `{} * {word}` for the name, `[{}]` for the unit", written(at - 2), written(at));
+        Err(ExprError::new(self.lexemes[at].span.clone(), error).help(help))
     }
 
     /// `[unit]`.

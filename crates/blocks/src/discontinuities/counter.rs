@@ -29,7 +29,7 @@ pub struct Counter {
     /// Count at the start and after a reset, a whole number.
     #[block(at_least = lower, at_most = upper, at_least = -MOST, at_most = MOST, default = 0.0)]
     pub start: f64,
-    /// Least count, a whole number; none if it is not given.
+    /// Least count, a whole number; if it is not given none, or 0 with `Wrap`.
     #[block(at_least = -MOST, at_most = MOST, default = None)]
     pub lower: Option<f64>,
     /// Greatest count, a whole number; none if it is not given.

@@ -17,7 +17,9 @@ const CHARGE: f64 = 1.602_176_634e-19;
 ///
 /// It does not switch and has no events; steps end where its current passes every third power of ten or so above $i_s$, since a
 /// pulse of current between two looks at a source would be missed. For power electronics, where only the forward voltage counts, `Diode` is faster.
-/// There is no junction capacitance and no breakdown; connect a `Capacitor` or a `Varistor` in parallel.
+/// There is no junction capacitance and no breakdown; connect a `Capacitor` or a `Varistor` in parallel. In series with a coil the diode needs
+/// one, or a larger leakage such as `g: "1 uS"`: else the current of the coil decides about the voltage while the diode blocks, by so much that
+/// steps become tiny.
 ///
 /// ```ron
 /// ExponentialDiode(i_s: "4 nA", n: 1.9, r_s: "50 mOhm")

@@ -11,7 +11,8 @@ type Signal = (&'static str, &'static str, &'static str);
 /// What a kind of joint calls its quantities.
 #[derive(Debug)]
 pub struct JointWords {
-    freedom: fn(Axis) -> Freedom,
+    /// Whether it turns; else it slides.
+    turns: bool,
     domain: Domain,
     follower: &'static str,
     position: Signal,
@@ -24,7 +25,7 @@ pub struct JointWords {
 }
 
 pub(crate) const TURNS: JointWords = JointWords {
-    freedom: Freedom::Turn,
+    turns: true,
     domain: Domain::Rotational,
     follower: "frame that turns",
     position: ("q", "rad", "angle of the follower against the base"),
@@ -35,7 +36,7 @@ pub(crate) const TURNS: JointWords = JointWords {
 };
 
 pub(crate) const SLIDES: JointWords = JointWords {
-    freedom: Freedom::Slide,
+    turns: false,
     domain: Domain::Translational,
     follower: "frame that slides",
     position: ("x", "m", "position of the follower against the base"),
@@ -77,10 +78,10 @@ impl OneAxisJoint {
 
 impl Component for OneAxisJoint {
     fn part(&self, _given: &Given) -> Part {
-        let JointWords { freedom, domain, follower, position, speed, acceleration, input, load } =
-            *self.words;
+        let JointWords { turns, domain, follower, position, speed, acceleration, input, load } = *self.words;
         let axis = Axis::new([position.0, speed.0], unit(self.axis)).driven(2, 3);
         let axis = axis.starting(self.position, self.velocity);
+        let freedom = if turns { Freedom::Turn(axis) } else { Freedom::Slide(axis) };
         let part = Part::new()
             .port("base", Domain::Frame, "frame that carries the axis")
             .port("follower", Domain::Frame, follower)
@@ -91,7 +92,7 @@ impl Component for OneAxisJoint {
             .reads(speed.0, speed.1, Reading::JointSpeed(0), speed.2)
             .reads(acceleration.0, acceleration.1, Reading::JointAcceleration(0), acceleration.2)
             .measures(load.0, load.1, Needs::Motion, load.2)
-            .element(Element::Joint { base: 0, follower: 1, freedoms: vec![freedom(axis)] });
+            .element(Element::Joint { base: 0, follower: 1, freedoms: vec![freedom] });
         self.inside.events(part, "").guards_of_state().travel(self.inside.lower, self.inside.upper)
     }
 

@@ -154,6 +154,13 @@ impl Table {
         let known = || self.columns.iter().map(|(name, _)| name.as_str());
         let mut places = Vec::new();
         for name in names {
+            if known().filter(|known| known == name).count() > 1 {
+                let message = format!("there is more than one column `{name}`");
+                return Err(Fault::new(
+                    message,
+                    "give each column that is read a name of its own in the header",
+                ));
+            }
             places.push(known().position(|known| known == name).ok_or_else(|| {
                 let help = match closest(name, known()) {
                     Some(near) => format!("did you mean `{near}`?"),
@@ -232,5 +239,8 @@ mod tests {
         assert_eq!(chosen.values, [0.003, 1.0, 0.006, 4.0]);
         assert_eq!(chosen.dimension(), Ok(Some(dimension("V"))));
         assert_eq!(table.select(&["d".to_owned()]).unwrap_err().message, "there is no column `d`");
+        let twice = parse("time [s],a,a,b\n0,1,2,3\n").unwrap();
+        assert_eq!(twice.clone().select(&["b".to_owned()]).unwrap().values, [3.0]);
+        assert_eq!(twice.select(&["a".to_owned()]).unwrap_err().message, "there is more than one column `a`");
     }
 }
