@@ -488,6 +488,41 @@ fn windings_in_series_and_capacitances_in_parallel_have_one_value_at_rest() {
     }
 }
 
+/// Windings in series to a capacitor, or to a motor that turns freely, have no current at rest, and what rounding leaves of it is not to be
+/// compared with itself: 12 V over the capacitor, and a speed of 12 V / k.
+#[test]
+fn windings_in_series_without_a_current_are_at_rest() {
+    let capacitor = r#""s": VoltageSource(v: "12 V"), "r": Resistor(r: "4 ohm"), "l1": Inductor(l: "10 mH"), "l2": Inductor(l: "5 mH"),
+        "c": Capacitor(c: "1 mF"), "g": ElectricalReference, "show": Scope(inputs: ["a", "b", "end"])"#;
+    let lines = r#""s.p <-> r.p", "r.n <-> l1.p", "l1.n <-> l2.p", "l2.n <-> c.p", "c.n <-> s.n <-> g.p", "l1.i -> show.a", "l2.i -> show.b", "c.v -> show.end""#;
+    let motor = r#""s": VoltageSource(v: "12 V"), "r": Resistor(r: "4 ohm"), "l1": Inductor(l: "10 mH"),
+        "m": DcMotor(r: "1 ohm", l: "1 mH", k: "0.1 N*m/A", j: "1e-4 kg*m^2", damping: "0 N*m*s/rad"), "h": RotationalReference, "w": MotionSensor, "f": RotationalReference,
+        "g": ElectricalReference, "show": Scope(inputs: ["a", "b", "end"])"#;
+    let turning = r#""s.p <-> r.p", "r.n <-> l1.p", "l1.n <-> m.p", "m.n <-> s.n <-> g.p", "m.c <-> h.r", "m.r <-> w.r", "w.c <-> f.r",
+        "l1.i -> show.a", "m.i -> show.b", "w.w -> show.end""#;
+    let begun_elsewhere =
+        capacitor.replace(r#"l: "10 mH""#, r#"l: "10 mH", i0: "2 A""#).replace("12 V", "0 V");
+    let strong = capacitor.replace("12 V", "12 kV").replace("4 ohm", "40 uohm");
+    let cases = [
+        (capacitor, lines, 12.0),
+        (motor, turning, 120.0),
+        (&*begun_elsewhere, lines, 0.0),
+        (&*strong, lines, 12e3),
+    ];
+    for (blocks, connections, end) in cases {
+        let (simulation, _) =
+            begun(&diagram("", blocks, connections)).unwrap_or_else(|error| panic!("{blocks}: {error}"));
+        drop(simulation);
+        let run = run_text(
+            &diagram("", blocks, connections).replace(r#"stop_time: "10 s""#, r#"stop_time: "0.1 s""#),
+        );
+        assert!((run.column("show.end")[0] - end).abs() <= 1e-9 * end.max(1.0), "{blocks}");
+        for name in ["show.a", "show.b"] {
+            assert!(run.column(name).iter().all(|i| i.abs() < 1e-9 * end.max(1.0)), "{blocks}");
+        }
+    }
+}
+
 /// Nothing changes the current of a winding that leads nowhere, and it has none: not half of what would keep its neighbours in balance.
 #[test]
 fn windings_that_lead_nowhere_have_no_current_at_rest() {
