@@ -45,51 +45,8 @@ impl Typed {
 }
 
 /// Asks every block for its interface until nothing changes, then checks every connection.
-///
-/// Blocks are asked in the order in which signals travel, and again only when an input has changed: without feedback
-/// once. In a loop a type travels at least one block further in each round, so as many rounds as there are blocks
-/// always suffice.
 pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
-    let interfaces = flat.blocks.iter().map(|block| block.interface.clone()).collect();
-    let mut typed = Typed { interfaces, ..Typed::default() };
-    // Types that are known; what a block says before its inputs are known does not count.
-    let mut known = vec![false; flat.blocks.len()];
-    let mut errors: Vec<Option<InterfaceError>> = vec![None; flat.blocks.len()];
-    let (order, readers) = downstream(flat);
-    let mut waiting = vec![true; flat.blocks.len()];
-    let mut room = Room { used: typed.interfaces.iter().map(|interface| memory(interface)).sum() };
-    let mut answers = Answers::default();
-    let mut types = Vec::new();
-    for _ in 0..flat.blocks.len() + 2 {
-        for index in order.iter().copied() {
-            if !std::mem::replace(&mut waiting[index], false) {
-                continue;
-            }
-            let block = &flat.blocks[index];
-            types.clear();
-            let sources =
-                block.inputs.iter().map(|source| source.as_ref().filter(|source| known[source.block]));
-            types.extend(sources.map(|source| source.map(|source| typed.of(source))));
-            let mut changed = !std::mem::replace(&mut known[index], true);
-            let asked = answers.ask(block, &types);
-            match asked.and_then(|interface| room.take(&typed.interfaces[index], interface)) {
-                Ok(interface) => {
-                    errors[index] = None;
-                    let before = &typed.interfaces[index];
-                    changed = changed || !Arc::ptr_eq(&interface, before) && interface != *before;
-                    typed.interfaces[index] = interface;
-                }
-                Err(error) => errors[index] = Some(error),
-            }
-            if changed {
-                readers[index].iter().for_each(|reader| waiting[*reader] = true);
-            }
-        }
-        if !waiting.contains(&true) {
-            break;
-        }
-    }
-    drop(answers);
+    let (mut typed, errors) = ask_all(flat);
     let agrees: Vec<bool> = errors.iter().map(Option::is_none).collect();
     for (index, error) in errors.into_iter().enumerate() {
         if let Some(error) = error {
@@ -111,6 +68,102 @@ pub(crate) fn infer(flat: &Flat, problems: &mut Problems) -> Typed {
     typed.asked = conditional.map(|(number, block)| (number, typed.given(block))).collect();
     settle_all(&mut typed.interfaces);
     typed
+}
+
+/// What is known while blocks are asked for their interfaces.
+struct Inquiry<'f> {
+    flat: &'f Flat,
+    way: &'f Downstream,
+    typed: Typed,
+    /// Blocks whose types are known; what a block says before its inputs are known does not count.
+    known: Vec<bool>,
+    errors: Vec<Option<InterfaceError>>,
+    /// Blocks that have to be asked.
+    waiting: Vec<bool>,
+    /// Blocks that have refused their inputs.
+    has_refused: Vec<bool>,
+    room: Room,
+    answers: Answers,
+    types: Vec<Option<PortType>>,
+}
+
+impl<'f> Inquiry<'f> {
+    fn new(flat: &'f Flat, way: &'f Downstream) -> Self {
+        let interfaces: Vec<_> = flat.blocks.iter().map(|block| block.interface.clone()).collect();
+        let used = interfaces.iter().map(|interface| memory(interface)).sum();
+        let all = flat.blocks.len();
+        Self {
+            flat,
+            way,
+            typed: Typed { interfaces, ..Typed::default() },
+            known: vec![false; all],
+            errors: vec![None; all],
+            waiting: vec![true; all],
+            has_refused: vec![false; all],
+            room: Room { used },
+            answers: Answers::default(),
+            types: Vec::new(),
+        }
+    }
+
+    /// Asks a block that waits for it, and has those that read it wait where its answer is a new one.
+    fn visit(&mut self, index: usize) {
+        if !std::mem::replace(&mut self.waiting[index], false) {
+            return;
+        }
+        let inputs = self.flat.blocks[index].inputs.iter();
+        let sources = inputs.map(|source| source.as_ref().filter(|source| self.known[source.block]));
+        self.types.clear();
+        self.types.extend(sources.map(|source| source.map(|source| self.typed.of(source))));
+        let mut answer = self.ask(index);
+        self.errors[index] = answer.as_ref().err().cloned();
+        if answer.is_err() && !std::mem::replace(&mut self.has_refused[index], true) {
+            self.forget_guesses(index);
+            answer = self.ask(index);
+        }
+        let mut changed = !std::mem::replace(&mut self.known[index], true);
+        if let Ok(interface) = answer {
+            let before = &self.typed.interfaces[index];
+            changed = changed || !Arc::ptr_eq(&interface, before) && interface != *before;
+            self.typed.interfaces[index] = interface;
+        }
+        if changed {
+            self.way.readers[index].iter().for_each(|reader| self.waiting[*reader] = true);
+        }
+    }
+
+    fn ask(&mut self, index: usize) -> Result<Arc<Interface>, InterfaceError> {
+        let interface = self.answers.ask(&self.flat.blocks[index], &self.types)?;
+        self.room.take(&self.typed.interfaces[index], interface)
+    }
+
+    /// Leaves out what comes round to a block in a loop.
+    fn forget_guesses(&mut self, index: usize) {
+        let group_of = &self.way.group_of;
+        for (known, source) in self.types.iter_mut().zip(&self.flat.blocks[index].inputs) {
+            *known = known
+                .filter(|_| source.as_ref().is_some_and(|source| group_of[source.block] != group_of[index]));
+        }
+    }
+}
+
+/// Interfaces of all blocks, and what does not fit.
+///
+/// Blocks are asked in the order in which signals travel, those of a loop until nothing changes there, and again only when an
+/// input has changed: without feedback once. In a loop a type travels at least one block further in each round, so as
+/// many rounds as there are blocks suffice for what is known outside, and as many again where a guess was wrong: what comes round
+/// is one at first. A block that refuses it gives once what follows from its inputs from outside, which may put the guess right.
+fn ask_all(flat: &Flat) -> (Typed, Vec<Option<InterfaceError>>) {
+    let way = downstream(flat);
+    let mut inquiry = Inquiry::new(flat, &way);
+    for group in &way.groups {
+        let mut rounds = 2 * group.len() + 2;
+        while rounds > 0 && group.iter().any(|block| inquiry.waiting[*block]) {
+            group.iter().for_each(|block| inquiry.visit(*block));
+            rounds -= 1;
+        }
+    }
+    (inquiry.typed, inquiry.errors)
 }
 
 fn is_conditional(block: &FlatBlock) -> bool {
@@ -223,8 +276,17 @@ fn is_settled(interface: &Interface) -> bool {
     inputs.chain(outputs).flatten().all(|dimension| dimension.settled() == Some(dimension))
 }
 
-/// Blocks in the order in which signals travel, those of a loop by their index; and the blocks that read each block.
-fn downstream(flat: &Flat) -> (Vec<usize>, Vec<Vec<usize>>) {
+/// Which way signals travel.
+struct Downstream {
+    /// The blocks of each loop, by their index, and each block that is in none; in the order in which signals travel.
+    groups: Vec<Vec<usize>>,
+    /// The group of each block.
+    group_of: Vec<usize>,
+    /// The blocks that read each block.
+    readers: Vec<Vec<usize>>,
+}
+
+fn downstream(flat: &Flat) -> Downstream {
     let mut graph: DiGraph<(), ()> = DiGraph::with_capacity(flat.blocks.len(), flat.blocks.len());
     flat.blocks.iter().for_each(|_| {
         graph.add_node(());
@@ -236,12 +298,15 @@ fn downstream(flat: &Flat) -> (Vec<usize>, Vec<Vec<usize>>) {
             readers[source.block].push(index);
         }
     }
-    let mut order = Vec::with_capacity(flat.blocks.len());
-    for mut component in kosaraju_scc(&graph).into_iter().rev() {
-        component.sort_unstable();
-        order.extend(component.into_iter().map(NodeIndex::index));
+    let mut group_of = vec![0; flat.blocks.len()];
+    let mut groups = Vec::with_capacity(flat.blocks.len());
+    for component in kosaraju_scc(&graph).into_iter().rev() {
+        let mut group: Vec<usize> = component.into_iter().map(NodeIndex::index).collect();
+        group.sort_unstable();
+        group.iter().for_each(|block| group_of[*block] = groups.len());
+        groups.push(group);
     }
-    (order, readers)
+    Downstream { groups, group_of, readers }
 }
 
 /// The unit that a subsystem declares for an input must be that of the signal.
@@ -377,6 +442,32 @@ mod tests {
         let blocks = "\"a\": State, \"b\": Gain, \"sum\": Sum, \"z\": Constant(n: 2)";
         let flat = flat(blocks, "\"z.y -> sum.u\", \"a.y -> sum.v\", \"sum.y -> b.u\", \"b.y -> a.u\"");
         assert_eq!(shapes(&flat), [Shape::Vector(2); 4]);
+    }
+
+    /// `b` gives a matrix until it knows its input, and a vector for a vector.
+    #[test]
+    fn a_guess_in_a_loop_that_is_refused_is_put_right_from_outside() {
+        for state in ["State", "Gain"] {
+            let blocks = format!("\"a\": {state}, \"b\": Columns(n: 2), \"sum\": Sum, \"z\": Constant(n: 2)");
+            let flat = flat(&blocks, "\"z.y -> sum.u\", \"b.y -> sum.v\", \"sum.y -> a.u\", \"a.y -> b.u\"");
+            assert_eq!(shapes(&flat), [Shape::Vector(2); 4]);
+        }
+    }
+
+    /// What does not fit in the end is refused, and is looked for no longer than anything else.
+    #[test]
+    fn a_loop_in_which_nothing_fits_is_refused() {
+        let blocks = "\"a\": State, \"b\": Columns(n: 3), \"sum\": Sum, \"z\": Constant(n: 2)";
+        let mut problems = Problems::default();
+        infer(
+            &flat(blocks, "\"z.y -> sum.u\", \"b.y -> sum.v\", \"sum.y -> a.u\", \"a.y -> b.u\""),
+            &mut problems,
+        );
+        assert!(
+            messages(&problems).iter().any(|message| message.starts_with("in `b`: ")),
+            "{:?}",
+            messages(&problems)
+        );
     }
 
     #[test]

@@ -15,7 +15,8 @@ use crate::problems::Problems;
 use crate::source::Reader;
 use blocksim_syntax::{Shape, read};
 
-/// `Gain`, `Limit` (with a guard), `Sum`, `Constant(n: 3)`, `State` or `Sampled(period: 0.001, offset: 0)`.
+/// `Gain`, `Limit` (with a guard), `Sum`, `Constant(n: 3)`, `State`, `Sampled(period: 0.001, offset: 0)`, or `Columns(n: 2)`, which
+/// multiplies by a square matrix.
 #[derive(Debug)]
 struct Toy {
     kind: String,
@@ -40,6 +41,15 @@ impl Block for Toy {
                 let (period, offset) = (self.numbers[0], self.numbers[1]);
                 interface.sample_time = Some(SampleTime::Discrete { period, offset });
                 interface
+            }
+            "Columns" => {
+                let n = self.numbers[0] as usize;
+                let shape = match given.input("u").map(|u| u.shape) {
+                    None | Some(SignalShape::Scalar) => SignalShape::Matrix(n, n),
+                    Some(SignalShape::Vector(m)) if m == n => SignalShape::Vector(n),
+                    Some(other) => return Err(InterfaceError::types(&["u"], format!("`u` is a {other}"))),
+                };
+                Interface::new().input(Input::any("u")).output(Output::like("y", u).shape(shape))
             }
             "Sum" => {
                 let shape = given.common_shape(&["u", "v"], &[])?;

@@ -415,3 +415,38 @@ fn a_solution_that_ends_is_not_exchanged_for_another_one() {
         assert!(t >= end - 1e-6 && t < end + 0.1, "{law}: {t}");
     }
 }
+
+/// x' = K x + b with the eigenvalues 0.2 and -0.5 of K, whose product is a matrix as long as x is taken for a number; and s = K s + b.
+#[test]
+fn a_product_with_a_matrix_in_a_loop_gets_the_shape_of_its_signal() {
+    let k = r#"[["0.1 1/s", "0.2 1/s"], ["0.3 1/s", "-0.4 1/s"]]"#;
+    for product in [
+        format!(r#""k": Gain(k: {k}, multiplication: KTimesU)"#),
+        format!(r#""c": Constant(value: {k}), "k": Product(multiplication: Matrix)"#),
+    ] {
+        let to = if product.contains("Product") {
+            r#""c.y -> k.u1", "a.y -> k.u2, show.u""#
+        } else {
+            r#""a.y -> k.u, show.u""#
+        };
+        let run = simulate(
+            "Dop853(rtol: 1e-10)",
+            &format!(
+                r#""a": Integrator, "b": Constant(value: ["1 1/s", "2 1/s"]), {product}, "s": Sum(signs: "++"), "show": Scope"#
+            ),
+            &format!(r#""b.y -> s.u1", "k.y -> s.u2", "s.y -> a.u", {to}"#),
+        );
+        let grown = |t: f64| ((0.2 * t).exp() - 1.0) / 0.2;
+        let faded = |t: f64| (1.0 - (-0.5 * t).exp()) / 0.5;
+        every_row(&run, "show.u[0]", 1e-8, |t| (10.0 * grown(t) - 3.0 * faded(t)) / 7.0);
+        every_row(&run, "show.u[1]", 1e-8, |t| (5.0 * grown(t) + 9.0 * faded(t)) / 7.0);
+    }
+    let run = simulate(
+        "Auto",
+        r#""t": Sine(frequency: "1 Hz"), "b": Constant(value: [1, 2]), "k": Gain(k: [[0.1, 0.2], [0.3, -0.4]], multiplication: KTimesU),
+           "s": Sum(signs: "++"), "show": Scope(inputs: ["s", "t"])"#,
+        r#""b.y -> s.u1", "k.y -> s.u2", "s.y -> k.u, show.s", "t.y -> show.t""#,
+    );
+    every_row(&run, "show.s[0]", 1e-12, |_| 1.5);
+    every_row(&run, "show.s[1]", 1e-12, |_| 1.75);
+}

@@ -262,9 +262,10 @@ fn integrators_without_feedback_stay_as_written_and_are_named() {
     );
     let (_, rest) = begun(&text).unwrap();
     assert!(rest.undetermined.contains(&"free.x".to_owned()), "{rest:?}");
-    // The pair is nearest to what is written, and agrees.
+    // What follows it goes all the way.
     let run = stays(&text, 1e-9);
-    near(run.column("show.lag")[0], run.column("show.free")[0], 1e-12);
+    assert_eq!(run.column("show.free")[0], 7.0);
+    near(run.column("show.lag")[0], 7.0, 1e-12);
     // One that nothing feeds and nothing reads stays exactly.
     let alone =
         text.replace(r#""free.y -> lag.u, show.free""#, r#""free.y -> show.free", "zero.y -> lag.u""#);
@@ -277,6 +278,74 @@ fn integrators_without_feedback_stay_as_written_and_are_named() {
     // Fed by anything, it has no rest.
     let error = refused(&alone.replace("Constant(value: 0)", "Constant(value: 0.25)"));
     assert!(error.message.contains("what keeps moving: `free.x` by 0.25 a second"), "{error}");
+}
+
+/// A controller without integral gain around a lag: y = kp (1 - y) + x0, however it is limited.
+#[test]
+fn a_controller_without_integral_gain_keeps_its_integral_part() {
+    for (pid, x0) in [
+        (r#"Pid(kp: 3)"#, 0.0),
+        (r#"Pid(kp: 3, x0: 0.4)"#, 0.4),
+        (r#"Pid(kp: 3, kd: 0.1, lower: -0.1, upper: 10, anti_windup: Clamping)"#, 0.0),
+        (r#"Pid(kp: 3, kd: 0.1, lower: -10, upper: 2, anti_windup: BackCalculation)"#, 0.0),
+        (r#"DiscretePid(ts: "0.1 s", kp: 3)"#, 0.0),
+        (r#"DiscretePid(ts: "0.1 s", kp: 3, kd: 0.01, n: 5, x0: -0.3)"#, -0.3),
+    ] {
+        let text = diagram(
+            "",
+            &format!(
+                r#""set": Constant(value: 1), "e": Sum(signs: "+-"), "pid": {pid}, "plant": LowPass(tau: "0.2 s"), "show": Scope(inputs: ["y"])"#
+            ),
+            r#""set.y -> e.u1", "e.y -> pid.e", "pid.u -> plant.u", "plant.y -> e.u2, show.y""#,
+        );
+        let (_, rest) = begun(&text).unwrap_or_else(|error| panic!("{pid}: {error}"));
+        assert!(!rest.undetermined.contains(&"plant.x".to_owned()), "{pid}: {rest:?}");
+        near(stays_sampled(&text).column("show.y")[0], (3.0 + x0) / 4.0, 1e-9);
+    }
+}
+
+/// A run over the first instants, as a sampled controller need not be stable.
+fn stays_sampled(text: &str) -> Run {
+    stays(&text.replace(r#"stop_time: "10 s""#, r#"stop_time: "1 s""#), 1e-6)
+}
+
+/// What moves elsewhere, if not where the search begins, is free to: y = x + 5, where the rate of x is a dead zone of 1 - y up to 2.
+/// And what another equation asks for is not kept either: x' = v, v' = 0.
+#[test]
+fn what_moves_elsewhere_or_is_determined_by_others_is_not_kept() {
+    let text = diagram(
+        "",
+        r#""one": Constant(value: 1), "e": Sum(signs: "+-"), "zone": DeadZone(start: -2, end: 2), "rate": Gain(k: "1 1/s"), "x": Integrator,
+           "five": Constant(value: 5), "push": Sum(signs: "++"), "lag": LowPass(tau: "1 s"), "show": Scope(inputs: ["x", "y"])"#,
+        r#""one.y -> e.u1", "lag.y -> e.u2, show.y", "e.y -> zone.u", "zone.y -> rate.u", "rate.y -> x.u", "x.y -> push.u1, show.x",
+           "five.y -> push.u2", "push.y -> lag.u""#,
+    );
+    let run = stays(&text, 1e-8);
+    let (x, y) = (run.column("show.x")[0], run.column("show.y")[0]);
+    near(y, x + 5.0, 1e-9);
+    assert!((1.0 - y).abs() <= 2.0 + 1e-8, "{y}");
+    let text = diagram(
+        "",
+        r#""zero": Constant(value: "0 m/s^2"), "v": Integrator(x0: "3 m/s"), "x": Integrator(x0: "1 m"), "show": Scope(inputs: ["x", "v", "y"]),
+           "lag": LowPass(tau: "1 s")"#,
+        r#""zero.y -> v.u", "v.y -> x.u, show.v", "x.y -> lag.u, show.x", "lag.y -> show.y""#,
+    );
+    let run = stays(&text, 1e-9);
+    assert!(run.column("show.v")[0].abs() < 1e-12);
+    near(run.column("show.y")[0], run.column("show.x")[0], 1e-12);
+}
+
+/// A trim may ask for a value of what nothing else moves; where it may find a constant instead, that is found.
+#[test]
+fn a_trim_sets_what_nothing_else_moves_only_where_it_must() {
+    let blocks = r#""zero": Constant(value: 0), "hand": Integrator(x0: 7), "u": Constant(value: 1), "sum": Sum(signs: "++"), "lag": LowPass(tau: "1 s"),
+        "show": Scope(inputs: ["y", "hand"])"#;
+    let lines = r#""zero.y -> hand.u", "hand.y -> sum.u1, show.hand", "u.y -> sum.u2", "sum.y -> lag.u", "lag.y -> show.y""#;
+    for (free, hand) in [(r#"["u.value"]"#, 7.0), ("[]", 4.0)] {
+        let run = stays(&diagram(&format!(r#"(hold: {{"lag.y": 5}}, free: {free})"#), blocks, lines), 1e-9);
+        near(run.column("show.hand")[0], hand, 1e-12);
+        near(run.column("show.y")[0], 5.0, 1e-12);
+    }
 }
 
 fn brake(torque: f64, w0: f64) -> String {
@@ -415,6 +484,64 @@ fn windings_in_series_and_capacitances_in_parallel_have_one_value_at_rest() {
         for name in ["s.a", "s.b"] {
             near(run.column(name)[0], right, 1e-6);
         }
+    }
+}
+
+/// Windings in series to a capacitor, or to a motor that turns freely, have no current at rest, and what rounding leaves of it is not to be
+/// compared with itself: 12 V over the capacitor, and a speed of 12 V / k.
+#[test]
+fn windings_in_series_without_a_current_are_at_rest() {
+    let capacitor = r#""s": VoltageSource(v: "12 V"), "r": Resistor(r: "4 ohm"), "l1": Inductor(l: "10 mH"), "l2": Inductor(l: "5 mH"),
+        "c": Capacitor(c: "1 mF"), "g": ElectricalReference, "show": Scope(inputs: ["a", "b", "end"])"#;
+    let lines = r#""s.p <-> r.p", "r.n <-> l1.p", "l1.n <-> l2.p", "l2.n <-> c.p", "c.n <-> s.n <-> g.p", "l1.i -> show.a", "l2.i -> show.b", "c.v -> show.end""#;
+    let motor = r#""s": VoltageSource(v: "12 V"), "r": Resistor(r: "4 ohm"), "l1": Inductor(l: "10 mH"),
+        "m": DcMotor(r: "1 ohm", l: "1 mH", k: "0.1 N*m/A", j: "1e-4 kg*m^2", damping: "0 N*m*s/rad"), "h": RotationalReference, "w": MotionSensor, "f": RotationalReference,
+        "g": ElectricalReference, "show": Scope(inputs: ["a", "b", "end"])"#;
+    let turning = r#""s.p <-> r.p", "r.n <-> l1.p", "l1.n <-> m.p", "m.n <-> s.n <-> g.p", "m.c <-> h.r", "m.r <-> w.r", "w.c <-> f.r",
+        "l1.i -> show.a", "m.i -> show.b", "w.w -> show.end""#;
+    let begun_elsewhere =
+        capacitor.replace(r#"l: "10 mH""#, r#"l: "10 mH", i0: "2 A""#).replace("12 V", "0 V");
+    let strong = capacitor.replace("12 V", "12 kV").replace("4 ohm", "40 uohm");
+    let cases = [
+        (capacitor, lines, 12.0),
+        (motor, turning, 120.0),
+        (&*begun_elsewhere, lines, 0.0),
+        (&*strong, lines, 12e3),
+    ];
+    for (blocks, connections, end) in cases {
+        let (simulation, _) =
+            begun(&diagram("", blocks, connections)).unwrap_or_else(|error| panic!("{blocks}: {error}"));
+        drop(simulation);
+        let run = run_text(
+            &diagram("", blocks, connections).replace(r#"stop_time: "10 s""#, r#"stop_time: "0.1 s""#),
+        );
+        assert!((run.column("show.end")[0] - end).abs() <= 1e-9 * end.max(1.0), "{blocks}");
+        for name in ["show.a", "show.b"] {
+            assert!(run.column(name).iter().all(|i| i.abs() < 1e-9 * end.max(1.0)), "{blocks}");
+        }
+    }
+}
+
+/// Nothing changes the current of a winding that leads nowhere, and it has none: not half of what would keep its neighbours in balance.
+#[test]
+fn windings_that_lead_nowhere_have_no_current_at_rest() {
+    let breaker = (
+        r#""s": VoltageSource(v: "12 V"), "r": Resistor(r: "4 ohm"), "l": Inductor(l: "10 mH"), "c": Capacitor(c: "1 mF"), "cable": Inductor(l: "5 mH"),
+           "breaker": IdealSwitch, "off": Constant(value: false), "load": Resistor(r: "3 ohm"), "g": ElectricalReference, "show": Scope(inputs: ["a", "b", "v"])"#,
+        r#""s.p <-> r.p", "r.n <-> l.p", "l.n <-> c.p <-> cable.p", "c.n <-> s.n <-> g.p <-> load.n", "cable.n <-> breaker.p",
+           "breaker.n <-> load.p", "off.y -> breaker.gate", "l.i -> show.a", "cable.i -> show.b", "c.v -> show.v""#,
+    );
+    let open = (
+        r#""s": VoltageSource(v: "12 V"), "r": Resistor(r: "4 ohm"), "c": Capacitor(c: "1 mF"), "l1": Inductor(l: "10 mH"), "l2": Inductor(l: "10 mH"),
+           "vs": VoltageSensor, "g": ElectricalReference, "show": Scope(inputs: ["a", "b", "v"])"#,
+        r#""g.p <-> r.p <-> c.n <-> vs.n", "r.n <-> l1.p", "l1.n <-> s.n <-> l2.p", "s.p <-> c.p", "l2.n <-> vs.p", "l1.i -> show.a", "l2.i -> show.b",
+           "c.v -> show.v""#,
+    );
+    for (blocks, connections) in [breaker, open] {
+        let run = stays(&diagram("", blocks, connections), 1e-9);
+        near(run.column("show.v")[0], 12.0, 1e-9);
+        assert!(run.column("show.a")[0].abs() < 1e-12);
+        assert_eq!(run.column("show.b")[0], 0.0);
     }
 }
 

@@ -10,7 +10,7 @@ use crate::work::circuits::FloatRoom;
 
 /// The rate at which currents that must be one come together again where they have drifted apart, 1/s: quickly for the times of power
 /// electronics, and slowly for steps (J. Baumgarte, Stabilization of constraints and integrals of motion in dynamical systems, 1972).
-const TOGETHER: f64 = 5e3;
+pub(super) const TOGETHER: f64 = 5e3;
 
 impl Network {
     /// Adds the potentials of floating parts to the voltages of an island.

@@ -13,9 +13,6 @@ const UNFELT: f64 = 1e-17;
 /// Unknowns above which a factorisation is tried that is quick but tells nothing of singular systems.
 pub(super) const LARGE: usize = 60;
 
-/// Share of a direction from which an unknown takes part in it.
-const SHARE: f64 = 1e-3;
-
 /// Equations and unknowns brought to like size: `rows A columns`.
 struct Scaled {
     matrix: DMatrix<f64>,
@@ -172,8 +169,8 @@ fn eliminate(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<(Vec<f64>, D
     Some((done.iter().map(|(_, j, own)| own[j]).collect(), solution))
 }
 
-/// Which unknowns take part in directions that the equations say nothing about.
-pub(super) fn undetermined(matrix: DMatrix<f64>, sizes: &[f64]) -> Vec<bool> {
+/// Which unknowns take part, by more than the share `least`, in directions that the equations say nothing about.
+pub(super) fn undetermined(matrix: DMatrix<f64>, sizes: &[f64], least: f64) -> Vec<bool> {
     let unknowns = matrix.ncols();
     if unknowns == 0 {
         return Vec::new();
@@ -195,7 +192,7 @@ pub(super) fn undetermined(matrix: DMatrix<f64>, sizes: &[f64]) -> Vec<bool> {
     if let Some(directions) = parts.v_t {
         for (direction, &value) in directions.row_iter().zip(&parts.singular_values) {
             if value <= border {
-                part.iter_mut().zip(direction.iter()).for_each(|(part, share)| *part |= share.abs() > SHARE);
+                part.iter_mut().zip(direction.iter()).for_each(|(part, share)| *part |= share.abs() > least);
             }
         }
     }
@@ -212,9 +209,9 @@ mod tests {
         let matrix = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 0.0, 2.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
         let step = least(matrix.clone(), &[2.0, 4.0, 0.0], &[1.0; 3]).unwrap();
         assert!(step.iter().zip([1.0, 1.0, 0.0]).all(|(a, b)| (a - b).abs() < 1e-14), "{step:?}");
-        assert_eq!(undetermined(matrix, &[1.0; 3]), [true, true, true]);
+        assert_eq!(undetermined(matrix, &[1.0; 3], 1e-3), [true, true, true]);
         let one = DMatrix::from_row_slice(1, 2, &[1e-9, 0.0]);
-        assert_eq!(undetermined(one, &[1.0; 2]), [false, true]);
+        assert_eq!(undetermined(one, &[1.0; 2], 1e-3), [false, true]);
     }
 
     /// x0 + 1000 x1 = 2: both move by as much as its share of the equation, not each by half of the way.

@@ -37,6 +37,13 @@ struct Memory {
     calls: Vec<usize>,
 }
 
+/// Modes, memories, signals, and which solutions algebraic loops have.
+pub(super) struct Kept {
+    d: Vec<f64>,
+    signals: Vec<f64>,
+    anchors: Vec<f64>,
+}
+
 /// The equations: states, samples and memories have one for each unknown, in the same order; then come held signals. The
 /// unknowns of the constants that are free stand at the end.
 pub(super) struct Conditions<'s> {
@@ -320,15 +327,17 @@ impl<'s> Conditions<'s> {
         Ok(changed)
     }
 
-    /// Modes, memories and signals, to come back to.
-    pub fn keep(&self) -> (Vec<f64>, Vec<f64>) {
-        (self.d.clone(), self.signals.clone())
+    /// What a search chooses on its way, to come back to.
+    pub fn keep(&self) -> Kept {
+        let anchors = self.simulation.diagram.loops.anchors.clone();
+        Kept { d: self.d.clone(), signals: self.signals.clone(), anchors }
     }
 
-    /// Comes back to them.
-    pub fn recall(&mut self, (d, signals): &(Vec<f64>, Vec<f64>)) {
-        self.d.clone_from(d);
-        self.signals.clone_from(signals);
+    /// Comes back to it.
+    pub fn recall(&mut self, kept: &Kept) {
+        self.d.clone_from(&kept.d);
+        self.signals.clone_from(&kept.signals);
+        self.simulation.diagram.loops.anchors.clone_from(&kept.anchors);
     }
 
     /// Values of the free constants.

@@ -4,7 +4,7 @@ use blocksim_linear::{DMatrix, jacobian, sparse_jacobian};
 
 use super::Rest;
 use super::algebra::{LARGE, RANK, least, undetermined};
-use super::conditions::Conditions;
+use super::conditions::{Conditions, Kept};
 use crate::SimError;
 
 /// Steps of Newton's method.
@@ -49,6 +49,9 @@ const MANY: usize = 500;
 const ROUNDED: f64 = 1e-6;
 /// Where it is looked whether something depends on an unknown, in parts of its size.
 const PROBES: [f64; 10] = [1e3, -1e3, 30.0, -30.0, 1.0, -1.0, 0.1, -0.1, 1e-3, -1e-3];
+/// Share of a direction that the equations leave open from which an unknown is named as a part of it, and from which it is one at all.
+const SHARE: f64 = 1e-3;
+const FAINT: f64 = 1e-8;
 /// Longest step of the time that is let pass, s.
 const ETERNITY: f64 = 1e9;
 
@@ -106,6 +109,8 @@ pub(super) struct Begin {
     led: Vec<Led>,
     /// The slopes there, where anything could be led.
     slopes: Option<Slopes>,
+    /// Unknowns that never move, and are left where they are.
+    unmoved: Vec<bool>,
 }
 
 /// The rate of an unknown on which nothing depends, as a sum of those of others: numbers and factors.
@@ -176,7 +181,13 @@ impl<'s, 'g> Search<'s, 'g> {
         if self.begin.is_none() {
             let led = slopes.led(self.conditions.states());
             let is_small = !slopes.idle.is_empty() && slopes.sizes.len() <= MANY;
-            *self.begin = Some(Begin { z: z.clone(), led, slopes: is_small.then(|| slopes.clone()) });
+            let first = is_small.then(|| slopes.clone());
+            let unmoved = self.unmoved(&z, &slopes)?;
+            let is_any = unmoved.contains(&true);
+            *self.begin = Some(Begin { z: z.clone(), led, slopes: first, unmoved });
+            if is_any {
+                slopes = self.slopes(&z)?;
+            }
         }
         let mut patience = PATIENCE;
         for k in 0..STEPS {
@@ -225,6 +236,48 @@ impl<'s, 'g> Search<'s, 'g> {
         Ok(Err(self.lost(&slopes)))
     }
 
+    /// Which unknowns never move, whatever the others are, and could have any value: an integrator of a constant zero, a pressure
+    /// that is shut in, the integral part of a controller without integral gain. Whatever the run, they stay as they are written, so
+    /// they are no part of the least change that leads to a rest. `z` is where the search begins.
+    fn unmoved(&mut self, z: &[f64], slopes: &Slopes) -> Result<Vec<bool>, Failure> {
+        let paired = self.conditions.paired();
+        let is_still = |i: usize| i < paired && slopes.is_held(i) && self.is_still(i, slopes);
+        let mut unmoved: Vec<bool> = (0..z.len()).map(is_still).collect();
+        if !unmoved.contains(&true) {
+            return Ok(unmoved);
+        }
+        let free = undetermined(slopes.matrix.clone(), &slopes.sizes, FAINT);
+        unmoved.iter_mut().zip(free).for_each(|(unmoved, is_free)| *unmoved &= is_free);
+        let (kept, candidates) = (self.conditions.keep(), unmoved.clone());
+        // Slopes are those at one place: behind a dead zone, or where a valve opens, it may be another matter.
+        for (part, all) in PROBES.iter().flat_map(|part| [(part, false), (part, true)]) {
+            self.conditions.recall(&kept);
+            let mut beside = z.to_vec();
+            for (k, z) in beside.iter_mut().enumerate().filter(|(k, _)| all || !candidates[*k]) {
+                *z += part * slopes.sizes[k] * uneven(k);
+            }
+            if self.conditions.settle(&mut beside).is_ok() && self.try_at(&beside).is_some() {
+                unmoved.iter_mut().enumerate().for_each(|(i, unmoved)| *unmoved &= self.is_still(i, slopes));
+            }
+        }
+        self.back(z, &kept)?;
+        Ok(unmoved)
+    }
+
+    /// Whether an unknown of those that have an equation each stays where it is, by what the equations leave over.
+    fn is_still(&self, i: usize, slopes: &Slopes) -> bool {
+        let moves = |rest: &f64| rest.abs() * self.conditions.rates[i] > HOLDS * slopes.sizes[i];
+        self.rest.get(i).is_some_and(|rest| !moves(rest))
+    }
+
+    /// Comes back to `z` from a look around.
+    fn back(&mut self, z: &[f64], kept: &Kept) -> Result<(), Failure> {
+        self.conditions.recall(kept);
+        self.conditions.settle(&mut z.to_vec())?;
+        self.conditions.evaluate(z, &mut self.rest)?;
+        Ok(())
+    }
+
     /// Whether something depends on what moves all the same, though not in the first order: a load that grows with the square of a speed does
     /// not depend on it at rest, and a stop not on the place of what is above it. What does must rest as well, from here on.
     /// `rest` is what the equations leave over at `z`.
@@ -253,9 +306,7 @@ impl<'s, 'g> Search<'s, 'g> {
                 }
             }
         }
-        self.conditions.recall(&kept);
-        self.conditions.settle(&mut z.to_vec())?;
-        self.conditions.evaluate(z, &mut self.rest)?;
+        self.back(z, &kept)?;
         let mut needed = slopes.needed.clone();
         idle.iter().for_each(|&i| needed[i] = true);
         while let Some(free) = idle
@@ -275,7 +326,7 @@ impl<'s, 'g> Search<'s, 'g> {
     /// spring. Only where their rates are bound at both ends of the way in the same manner, as those of one place are. Whether anything
     /// has moved.
     fn lead(&self, z: &mut [f64], slopes: &Slopes, rest: &[f64]) -> bool {
-        let Some(Begin { z: begin, led, slopes: first }) = &*self.begin else { return false };
+        let Some(Begin { z: begin, led, slopes: first, .. }) = &*self.begin else { return false };
         let before = z.to_vec();
         let now = slopes.led(self.conditions.states());
         let idle = slopes.idle.iter().map(|(own, _)| *own);
@@ -428,6 +479,15 @@ impl<'s, 'g> Search<'s, 'g> {
         }) {
             needed[idle] = false;
         }
+        let unmoved = self.begin.iter_mut().flat_map(|begin| &mut begin.unmoved).enumerate();
+        for (i, unmoved) in unmoved.filter(|(_, unmoved)| **unmoved) {
+            // What moves here after all, as what a limit held has come off it, is free from here on.
+            let moves = self.rest[i].abs() * conditions.rates[i] > HOLDS * sizes[i];
+            *unmoved = !moves && matrix.row(i).iter().all(|slope| *slope == 0.0);
+            if *unmoved {
+                matrix.column_mut(i).fill(0.0);
+            }
+        }
         let is_idle = |i: &usize| !needed[*i] && !conditions.fixed[*i];
         let idle = (0..conditions.paired()).filter(is_idle);
         let idle = idle.map(|i| (i, matrix.row(i).iter().copied().collect())).collect();
@@ -451,7 +511,7 @@ impl<'s, 'g> Search<'s, 'g> {
         let paired = self.conditions.paired();
         let moves =
             |i: &usize| !slopes.needed[*i] && (self.rest[*i] * rates[*i]).abs() > HOLDS * slopes.sizes[*i];
-        let free = undetermined(slopes.matrix.clone(), &slopes.sizes);
+        let free = undetermined(slopes.matrix.clone(), &slopes.sizes, SHARE);
         // Places on which nothing depends are free as a matter of course.
         let is_free =
             |i: &usize| free[*i] && !fixed[*i] && (*i >= paired || slopes.needed[*i] || !may_drift[*i]);
@@ -574,6 +634,12 @@ impl Slopes {
     fn norm(&self, rest: &[f64]) -> f64 {
         self.parts(rest).map(|part| part * part).sum::<f64>().sqrt()
     }
+}
+
+/// Parts of 1 to 2 with either sign, of which no few cancel each other.
+fn uneven(k: usize) -> f64 {
+    let part = 1.0 + (k as f64 * std::f64::consts::SQRT_2).fract();
+    if k.is_multiple_of(2) { part } else { -part }
 }
 
 /// Whether a step changes some unknown by more than its last digits.
