@@ -30,8 +30,7 @@
     explain(target);
     try {
       if (only) {
-        await Desk.ask('run', { set: [`${target}=${value}`], speed: Live.speed() });
-        location.hash = '#run';
+        await Live.run([`${target}=${value}`]);
         return;
       }
       const done = await Desk.ask('set', { model, target, value });
