@@ -18,7 +18,7 @@
   /** @type {Float64Array[]} Columns with room behind what is known: the times, then the values. */ let columns = [];
   /** Whether values are missing, by column. @type {boolean[]} */ let gaps = [];
   let read = 0, readLater = 0;
-  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, joints = 1, draws = false, starts = false, wanted = '', model = '';
+  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, joints = 1, draws = false, starts = false, wanted = '', model = '', path = '', source = '';
   /** Signals that are recorded beside those of the model. @type {Set<string>} */ const extra = new Set();
   /** What came before, and is not known here yet, is asked for; news wait for it. */ let behind = true;
   /** @type {[number, () => void][]} */ let waiting = [];
@@ -26,6 +26,10 @@
   /** @type {any} */ const place = { line: null, bar: null, pause: null, step: null, speed: null, follow: null };
   const running = () => state?.state === 'running' || state?.state === 'paused';
 
+  /** Whether the run is one of the model that is shown. */
+  const own = () => state?.model === path;
+  /** Whether there is a run of that model that can be changed: one that is compiled yet takes the change when it begins. */
+  const turns = () => own() && (running() || state.state === 'starting');
   /** Bytes of a text in base64. @param {string} text */
   const bytes = (text) => {
     const signs = atob(text), all = new Uint8Array(signs.length);
@@ -40,6 +44,7 @@
     look.replaceChildren();
     panels = told.panels;
     R.data.panels = panels;
+    source = state?.model ?? '';
     columns = [];
     gaps = [];
     rows = 0;
@@ -144,7 +149,12 @@
     Futures.told();
     for (const panel of panels) if (panel.seen) R.Picture.mark(panel);
     tell();
-    if (rows) Panel.show(columns.slice(shown, joints).map((column) => column[rows - 1]));
+    gauges();
+  };
+  /** Gauges and lamps show the last row, if it is one of their model. */
+  const gauges = () => {
+    if (source !== path) Panel.quiet();
+    else if (rows) Panel.show(columns.slice(shown, joints).map((column) => column[rows - 1]));
   };
   /** Gives a picture its rows. @param {any} panel @param {boolean} [kept] Whether what is drawn stays as it is. */
   const give = (panel, kept) => {
@@ -251,7 +261,7 @@
   /** Time of the last row. */
   const last = () => rows ? columns[0][rows - 1] : 0;
   /** Blocks that are to blame for the end of the last run. @returns {string[]} */
-  const failed = () => state?.state === 'failed' ? state.blocks ?? [] : [];
+  const failed = () => own() && state.state === 'failed' ? state.blocks ?? [] : [];
   /** Marks them in the picture, and subsystems that they are in. */
   const blame = () => {
     const { level, nodes } = R.Diagram.now();
@@ -279,11 +289,12 @@
     }[/** @type {'idle'} */ (state?.state ?? 'idle')];
     said = text ?? '';
     // Who is at a link stays there.
-    if (place.line.dataset.told !== `${said} ${name}`) {
+    const key = [said, name, ...failed()].join(' ');
+    if (place.line.dataset.told !== key) {
       const focus = place.line.contains(document.activeElement);
       const blamed = failed().map((path) => Desk.button(path, () => R.showBlock?.(path), { 'aria-label': `Show ${path} in the diagram`, title: 'Show in the diagram' }));
       place.line.replaceChildren(said, ...(blamed.length ? [' ', ...blamed, ' '] : []), ...(name ? [R.make('a', { href: `#runs/${encodeURIComponent(name)}` }, 'Results')] : []));
-      place.line.dataset.told = `${said} ${name}`;
+      place.line.dataset.told = key;
       if (focus) /** @type {HTMLElement|null} */ (place.line.querySelector('a, button'))?.focus();
     }
     place.line.classList.toggle('bad', state?.state === 'failed');
@@ -329,13 +340,13 @@
   };
 
   /** The run as it is, with other signals recorded: from its start, and soon where it was. */
-  const again = () => { if (state && state.state !== 'idle') Desk.ask('run', { again: true, record: [...extra], speed: Number(place.speed.value) }).catch(Desk.refuse); };
+  const again = () => { if (own()) Desk.ask('run', { again: true, record: [...extra], speed: Number(place.speed.value) }).catch(Desk.refuse); };
   /** Records a signal and shows it over time, in this run and in those to come. @param {string} name */
   const record = (name) => {
     extra.add(name);
     recorded();
     wanted = name;
-    const runs = state && !['idle', 'starting'].includes(state.state);
+    const runs = own();
     Desk.say(runs ? `${name} is recorded: the run is repeated to where it was` : `${name} is recorded by the next run`);
     if (runs) again();
   };
@@ -343,8 +354,8 @@
     const chip = (/** @type {string} */ name) => R.make('li', {}, R.make('bdi', {}, name), ' ', Desk.button('×', () => { extra.delete(name); recorded(); }, { 'aria-label': `Do not record ${name}`, title: 'Not in the runs to come' }));
     place.extra.replaceChildren(...(extra.size ? [R.make('b', {}, 'Recorded as well'), R.make('ul', {}, ...[...extra].map(chip))] : []));
   };
-  /** What was asked for of another model has no meaning here. @param {string} name @param {boolean} has Whether it has a panel. */
-  const of = (name, has) => {
+  /** What was asked for of another model has no meaning here. @param {string} name @param {string} at Its place, as runs name it. @param {boolean} has Whether it has a panel. */
+  const of = (name, at, has) => {
     if (model && model !== name) {
       extra.clear();
       recorded();
@@ -353,7 +364,8 @@
       for (const [own, one] of others.get(name) ?? []) knobs.set(own, one);
       panel();
     }
-    model = name;
+    [model, path] = [name, at];
+    gauges();
     // Who turns something is to see what comes of it.
     if (!place.paced) place.speed.value = has ? '1' : '0';
   };
@@ -377,7 +389,7 @@
     Movement.build(tools, { resized: fit });
     R.onChosen.push(blame);
     Futures.build(past, { control, rows: () => rows, time: last, state: () => state, draws: () => draws, redraw: draw, goesBack: () => ['running', 'paused', 'done', 'failed'].includes(state?.state) });
-    Panel.build(document.getElementById('panel'), { running, set: (/** @type {string} */ set) => control({ do: 'set', set }) });
+    Panel.build(document.getElementById('panel'), { running: turns, set: (/** @type {string} */ set) => control({ do: 'set', set }) });
     told();
     Desk.on('scopes', (/** @type {any} */ data, /** @type {number} */ id) => ordered(id, () => { number = state?.number ?? 0; R.guarded('The scopes', () => scopes(data)); }));
     Desk.on('rows', (/** @type {any} */ data, /** @type {number} */ id) => ordered(id, () => add(data)));
@@ -420,7 +432,8 @@
     const [start, unit] = own ? [own.value, own.unit] : [Number(number), behind];
     const told = R.make('span', { class: 'note', role: 'status' });
     const field = R.make('input', { type: 'text', value: target.written, 'aria-label': name, size: '12', spellcheck: 'false' });
-    const set = (/** @type {string} */ value) => { told.textContent = ''; told.classList.remove('bad'); field.value = value; follow(); if (running()) control({ do: 'set', set: `${name}=${value}` }); else told.textContent = 'for the next run'; };
+      if (!own()) return;
+    const set = (/** @type {string} */ value) => { told.textContent = ''; told.classList.remove('bad'); field.value = value; follow(); if (turns()) control({ do: 'set', set: `${name}=${value}` }); else told.textContent = 'for the next run'; };
     field.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => { if (event.key === 'Enter') set(field.value); });
     const parts = [R.make('bdi', {}, name), field];
     /** The slider goes where the value is, if it is a number of its unit. */ let follow = () => {};
@@ -478,5 +491,5 @@
       if (width > 0) u.setSize({ width, height: u.heights.screen });
     }
   };
-  return { build, renew, turn, record, of, run, again: () => { fresh = true; behind = true; waiting = []; missed++; }, start, fit, span, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
+  return { build, renew, shows: (/** @type {string} */ at) => source === at, turn, record, of, run, again: () => { fresh = true; behind = true; waiting = []; missed++; }, start, fit, span, catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
 })();

@@ -204,6 +204,7 @@ impl Studio {
             "edit": self.may_edit,
             "models": now.models.iter().map(|model| model.display().to_string()).collect::<Vec<_>>(),
             "model": now.model.display().to_string(),
+            "path": place(&self.root, &now.model).display().to_string(),
             "title": now.shown.title,
             "version": now.shown.version,
             "until": now.shown.until,
