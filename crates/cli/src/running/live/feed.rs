@@ -193,9 +193,10 @@ impl Feed {
             return;
         }
         let bytes: Vec<u8> = self.times.iter().flat_map(|t| t.to_le_bytes()).collect();
-        let times = STANDARD.encode(bytes);
+        let (times, last) = (STANDARD.encode(bytes), self.times.last());
         let bytes: Vec<u8> = self.values.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
-        let event = json!({ "v": 1, "type": "rows", "t": times, "values": STANDARD.encode(bytes) });
+        let event =
+            json!({ "v": 1, "type": "rows", "last": last, "t": times, "values": STANDARD.encode(bytes) });
         let _ = self.console.data(&format!("{event}\n"));
         self.times.clear();
         self.values.iter_mut().for_each(Vec::clear);

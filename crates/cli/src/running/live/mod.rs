@@ -42,8 +42,8 @@ pub struct Live<'a> {
     until: Option<f64>,
     /// The way there was not as before.
     pub strayed: Option<f64>,
-    /// It does not wait before this time.
-    hurry: f64,
+    /// Another run of the model has come so far: up to there this one neither waits nor does what is wished for.
+    catch_up: Option<f64>,
 }
 
 impl<'a> Live<'a> {
@@ -54,7 +54,7 @@ impl<'a> Live<'a> {
         schedule: &Schedule,
         (items, mechanism): (&[PanelItem], &Mechanism),
         planned: Planned,
-        (speed, hurry): (f64, f64),
+        (speed, catch_up): (f64, Option<f64>),
         console: Console,
     ) -> Live<'a> {
         let scopes = scopes(schedule, items);
@@ -70,8 +70,13 @@ impl<'a> Live<'a> {
             leaves: None,
             until: None,
             strayed: None,
-            hurry,
+            catch_up,
         }
+    }
+
+    /// Whether the run is still on its way to where another one was: the rows of that up to there had been shown, it stood behind them.
+    fn hurries(&self, t: f64) -> bool {
+        self.catch_up.is_some_and(|reached| t <= reached)
     }
 
     /// Whether nobody wants the results.
@@ -118,7 +123,7 @@ impl<'a> Live<'a> {
         let Some(Back { simulation, set, changes, planned }) = self.history.back(t)? else { return Ok(None) };
         self.planned.add(changes);
         self.planned.add(planned);
-        self.until = Some(t);
+        (self.until, self.catch_up) = (Some(t), None);
         // What was before goes to the recorder of the other future as well.
         self.history.replay(&mut self.recorder);
         Ok(Some((simulation, set)))
@@ -132,7 +137,7 @@ impl Observer for Live<'_> {
         if self.until.is_some() {
             return;
         }
-        if self.tuning.is_none() && t >= self.hurry && self.control.holds(t) {
+        if self.tuning.is_none() && !self.hurries(t) && self.control.holds(t) {
             // Who looks at a run that stands still is to see all that was before.
             self.feed.tell();
             self.control.wait(t, true);
@@ -146,12 +151,15 @@ impl Observer for Live<'_> {
     }
 
     fn is_waiting(&self, t: f64) -> bool {
-        let wished = self.until.map_or_else(|| self.control.has_wishes(), |until| t >= until);
+        let wished = match self.until {
+            Some(until) => t >= until,
+            None => !self.hurries(t) && self.control.has_wishes(),
+        };
         wished || self.planned.is_due(t) || self.history.is_due()
     }
 
     fn progress(&mut self, t: f64, counts: &Counts) -> Answer {
-        if self.until.is_none() && t >= self.hurry {
+        if self.until.is_none() && !self.hurries(t) {
             self.control.wait(t, false);
         }
         self.recorder.progress(t, counts)
@@ -190,7 +198,7 @@ impl Tunes for Live<'_> {
             self.tuning = Some(when);
             return Some(set);
         }
-        while self.until.is_none() {
+        while self.until.is_none() && !self.hurries(t) {
             match self.control.wish()? {
                 Wish::Set(set) => {
                     self.tuning = Some(When::After(t));
