@@ -114,7 +114,7 @@
   };
 
   /** The run stands at an instant of its past: what came behind it is another future. @param {any} told */
-  const back = ({ t, set, refused }) => {
+  const back = ({ t, refused }) => {
     if (refused) { Desk.say(refused, true); return; }
     let kept = rows;
     while (kept > 0 && columns[0][kept - 1] >= t) kept--;
@@ -122,8 +122,6 @@
     rows = kept;
     Movement.anew();
     for (const panel of panels) { panel.offRows = Math.min(panel.offRows ?? 0, rows); panel.stale = true; }
-    Panel.adopt(set);
-    adopt(set);
     if (!dirty) { dirty = true; requestAnimationFrame(draw); }
   };
 
@@ -320,10 +318,27 @@
     blame();
     Futures.renew(now);
     if (before !== now.state && before !== undefined) Desk.say(now.state === 'running' ? `${now.model} runs` : said, now.state === 'failed');
+    stand();
   };
 
   const control = (/** @type {any} */ body) => Desk.ask('control', body).catch(Desk.refuse);
   /** Runs the model with these values, and with what its panel shows of other parameters. @param {string[]} sets */
+  /** What was set while the run goes on, as `--change` takes it. @returns {{t: number, set: string}[]} */
+  const changes = () => (state?.changes ?? []).map((/** @type {string} */ change) => { const [, t, set] = /** @type {string[]} */ (/^after ([^:]*)s:(.*)$/s.exec(change)); return { t: Number(t), set }; });
+  /** What the run has been set to last of each parameter, and when; from its start on without a time.
+   * @returns {Map<string, {t: number|null, text: string}>} */
+  const changed = () => {
+    const all = [...(state?.set ?? []).map((/** @type {string} */ set) => ({ t: null, set })), ...changes()];
+    return new Map(all.map(({ t, set }) => { const [name, ...rest] = set.split('='); return [name.trim(), { t, text: rest.join('=').trim() }]; }));
+  };
+  /** What can be turned stands where the run does, whoever has turned it. */
+  const stand = () => {
+    if (!turns()) { Panel.settle(); return; }
+    const all = changed();
+    Panel.stand(state.standing ?? [], all);
+    for (const [name, one] of knobs) one.stand(all.get(name));
+  };
+
   const run = async (sets) => {
     if (running()) { Desk.say('a run goes on already; end it, or wait for it', true); return; }
     const named = new Set(sets.map((set) => set.split('=')[0]));
@@ -397,7 +412,8 @@
     Desk.on('tuned', (/** @type {any} */ told) => {
       const { t, set, refused, help, without_effect: lost } = told;
       Panel.tuned(told);
-      const one = knobs.get(set.split('=')[0]);
+      const [name, ...rest] = set.split('='), one = knobs.get(name);
+      if (one && !refused) one.has = key({ t, text: rest.join('=') });
       if (one) { one.told.textContent = refused ? [refused, help].filter(Boolean).join(' – ') : `since ${R.say(t)} s${lost?.length ? `; values at the start of ${lost.join(', ')} have no effect any more` : ''}`; one.told.classList.toggle('bad', Boolean(refused)); }
     });
     Desk.on('run', renew);
@@ -447,14 +463,18 @@
       parts.push(slider);
     } else if (target.written === 'true' || target.written === 'false') parts.push(Desk.button('switch', () => set(field.value === 'true' ? 'false' : 'true')));
     const away = Desk.button('×', () => { knobs.delete(name); panel(); }, { 'aria-label': `Take ${name} away` });
-    /** Stands where the run is, and sends nothing. @param {string|undefined} text */
-    const stand = (text) => { field.value = text ?? field.defaultValue; told.textContent = ''; told.classList.remove('bad'); follow(); };
-    return { told, field, stand, row: R.make('div', { class: 'knob' }, ...parts, away, told) };
-  };
-  /** All stand where a run has been set to. @param {string[]} sets */
-  const adopt = (sets) => {
-    const all = new Map(sets.map((set) => { const [name, ...rest] = set.split('='); return [name.trim(), rest.join('=').trim()]; }));
-    for (const [name, one] of knobs) one.stand(all.get(name));
+    /** Stands where the run is, and sends nothing; what was typed since stays until the run has another value.
+     * @param {{t: number|null, text: string}|undefined} now */
+    const stand = (now) => {
+      if (one.has === key(now)) return;
+      one.has = key(now);
+      field.value = now?.text ?? field.defaultValue;
+      told.textContent = typeof now?.t === 'number' ? `since ${R.say(now.t)} s` : '';
+      told.classList.remove('bad');
+      follow();
+    };
+    const one = { told, field, has: '', stand, row: R.make('div', { class: 'knob' }, ...parts, away, told) };
+    return one;
   };
   const panel = () => place.knobs.replaceChildren(...[...knobs.values()].map((one) => one.row));
   /** Puts a parameter among those that one wants to turn. @param {string} name @param {any} target @param {any} [own] Its element on the panel of the model. */
@@ -477,11 +497,14 @@
       const marks = run === number ? Futures.instants() : [];
       number = run;
       R.guarded('The scopes', () => scopes(told));
+  /** @param {{t: number|null, text: string}|undefined} now */
+  const key = (now) => now ? `${now.t} ${now.text}` : '';
       for (const one of all) if (one.type === 'back') back(one); else add(one);
-      Futures.adopt(marks);
+      Futures.adopt([...marks, ...changes().map(({ t, set }) => ({ t, text: set }))]);
     }
     // News may come later than the answer that contains them.
     [behind, known] = [false, at];
+    stand();
     for (const [id, does] of waiting) ordered(id, does);
     waiting = [];
   };

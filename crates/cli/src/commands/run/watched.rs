@@ -35,7 +35,7 @@ pub fn watch(
 ) -> Outcome {
     let recorder = Mutex::new(Some(begin(args, &mut setup, console)?));
     let texts = setup.loaded.on_disk.clone();
-    let mut tuner = Tuner::new(args, &texts);
+    let mut tuner = Tuner::new(args, &setup.loaded);
     let items = setup.loaded.compiled.panel.clone();
     let mechanism = Mechanism::of(args, &setup.loaded, &setup.schedule);
     let began = Began::of(&simulation);
@@ -69,9 +69,9 @@ pub fn watch(
         let back = live
             .go_back(t)
             .map_err(|error| Failure::of(Exit::Failed, vec![failure(&error, &schedule)], texts.clone()))?;
-        let Some((past, set)) = back else { return Ok(exit) };
+        let Some((past, setting)) = back else { return Ok(exit) };
         simulation = past;
-        tuner.go_back(set);
+        tuner.go_back(setting);
     }
     Ok(Exit::Done)
 }

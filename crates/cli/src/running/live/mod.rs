@@ -24,7 +24,7 @@ use self::feed::Feed;
 use self::history::{Back, History};
 use self::mechanism::Mechanism;
 use crate::running::recorder::Shared;
-use crate::running::tuning::{self, Came, Planned, Tunes, When};
+use crate::running::tuning::{self, Came, Planned, Setting, Tunes, When};
 use crate::terminal::console::Console;
 
 /// Hands all to the recorder, and to who looks.
@@ -48,7 +48,7 @@ pub struct Live<'a> {
 
 impl<'a> Live<'a> {
     /// Tells which scopes, which panel and which mechanism there are, and listens to the standard input from now on. `speed` is
-    /// that at first, times real time; before the time behind it the run does not wait.
+    /// that at first, times real time; the time behind it is where another run of the model was, to be caught up with.
     pub fn begin(
         recorder: Shared<'a>,
         schedule: &Schedule,
@@ -59,7 +59,7 @@ impl<'a> Live<'a> {
     ) -> Live<'a> {
         let scopes = scopes(schedule, items);
         let shown = panel::shown(items, schedule);
-        let feed = Feed::begin(&scopes, &shown, mechanism, schedule.settings.stop_time, console);
+        let feed = Feed::begin(&scopes, (items, &shown), mechanism, schedule.settings.stop_time, console);
         Live {
             recorder,
             feed,
@@ -119,14 +119,16 @@ impl<'a> Live<'a> {
     ///
     /// # Errors
     /// If a simulation cannot be made, which has been made before.
-    pub fn go_back(&mut self, t: f64) -> Result<Option<(Simulation, Vec<String>)>, SimError> {
-        let Some(Back { simulation, set, changes, planned }) = self.history.back(t)? else { return Ok(None) };
+    pub fn go_back(&mut self, t: f64) -> Result<Option<(Simulation, Setting)>, SimError> {
+        let Some(Back { simulation, setting, changes, planned }) = self.history.back(t)? else {
+            return Ok(None);
+        };
         self.planned.add(changes);
         self.planned.add(planned);
         (self.until, self.catch_up) = (Some(t), None);
         // What was before goes to the recorder of the other future as well.
         self.history.replay(&mut self.recorder);
-        Ok(Some((simulation, set)))
+        Ok(Some((simulation, setting)))
     }
 }
 
@@ -171,7 +173,7 @@ impl Tunes for Live<'_> {
         self.planned.time()
     }
 
-    fn stopped(&mut self, simulation: &Simulation, set: &[String]) {
+    fn stopped(&mut self, simulation: &Simulation, setting: &Setting) {
         let t = simulation.time();
         if self.until.is_some_and(|until| t >= until) {
             self.until = None;
@@ -180,9 +182,9 @@ impl Tunes for Live<'_> {
                 return;
             }
             self.control.pause();
-            self.feed.is_back(t, set, self.history.last());
+            self.feed.is_back(t, setting, self.history.last());
         }
-        self.history.remember(simulation, set);
+        self.history.remember(simulation, setting);
     }
 
     fn goes_back(&self) -> bool {
@@ -219,7 +221,7 @@ impl Tunes for Live<'_> {
         self.leaves.is_none() && self.strayed.is_none()
     }
 
-    fn tuned(&mut self, t: f64, set: &str, came: Came) {
+    fn tuned(&mut self, t: f64, set: &str, came: Came, setting: &Setting) {
         let when = self.tuning.take().unwrap_or(When::After(t));
         if let Ok(without_effect) = &came {
             let (target, what) = tuning::event(set, without_effect);
@@ -227,7 +229,7 @@ impl Tunes for Live<'_> {
             self.history.changed(when, set);
         }
         if self.until.is_none() {
-            self.feed.tuned(t, set, came);
+            self.feed.tuned(t, set, came, &setting.panel);
         }
     }
 }
