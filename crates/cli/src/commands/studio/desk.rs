@@ -245,8 +245,7 @@ impl Studio {
             return Reply::Data(json!({ "message": told, "name": name }));
         }
         let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
-        let set = json!({ "target": "move", "value": format!("File({name:?})") });
-        match changes.set(&model, &set, self.console) {
+        match changes.replace(&model, ("move", &format!("File({name:?})")), None, self.console) {
             Reply::Data(mut done) => {
                 done["name"] = name.into();
                 Reply::Data(done)
