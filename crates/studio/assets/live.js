@@ -22,14 +22,15 @@
   /** Signals that are recorded beside those of the model. @type {Set<string>} */ const extra = new Set();
   /** What came before, and is not known here yet, is asked for; news wait for it. */ let behind = true;
   /** @type {[number, () => void][]} */ let waiting = [];
+  /** What the run that is asked for has nothing of, and the one that is shown. @type {string[]} */ let unsaved = [], /** @type {string[]} */ lacking = [];
   /** Which run is shown, how often it was missed, and the last news that what was asked for contains. */ let number = 0, missed = 0, known = 0;
   /** @type {any} */ const place = { line: null, bar: null, pause: null, step: null, speed: null, follow: null };
   const running = () => state?.state === 'running' || state?.state === 'paused';
-
   /** Whether the run is one of the model that is shown. */
   const own = () => state?.model === path;
   /** Whether there is a run of that model that can be changed: one that is compiled yet takes the change when it begins. */
   const turns = () => own() && (running() || state.state === 'starting');
+
   /** Bytes of a text in base64. @param {string} text */
   const bytes = (text) => {
     const signs = atob(text), all = new Uint8Array(signs.length);
@@ -43,8 +44,8 @@
     if (!look) return;
     look.replaceChildren();
     panels = told.panels;
-    R.data.panels = panels;
     source = state?.model ?? '';
+    R.data.panels = panels;
     columns = [];
     gaps = [];
     rows = 0;
@@ -312,17 +313,16 @@
     fresh = false;
     const before = state?.state;
     state = now;
+    if (now.state === 'starting' && before !== 'starting') { warn(unsaved); unsaved = []; }
     // What was drawn piece by piece is drawn as a whole in the end.
     if (!running() && before === 'running' && !dirty) { dirty = true; requestAnimationFrame(draw); }
     told();
     blame();
+    stand();
     Futures.renew(now);
     if (before !== now.state && before !== undefined) Desk.say(now.state === 'running' ? `${now.model} runs` : said, now.state === 'failed');
-    stand();
   };
 
-  const control = (/** @type {any} */ body) => Desk.ask('control', body).catch(Desk.refuse);
-  /** Runs the model with these values, and with what its panel shows of other parameters. @param {string[]} sets */
   /** What was set while the run goes on, as `--change` takes it. @returns {{t: number, set: string}[]} */
   const changes = () => (state?.changes ?? []).map((/** @type {string} */ change) => { const [, t, set] = /** @type {string[]} */ (/^after ([^:]*)s:(.*)$/s.exec(change)); return { t: Number(t), set }; });
   /** What the run has been set to last of each parameter, and when; from its start on without a time.
@@ -339,11 +339,32 @@
     for (const [name, one] of knobs) one.stand(all.get(name));
   };
 
+  const control = (/** @type {any} */ body) => Desk.ask('control', body).catch(Desk.refuse);
+  /** Runs the model with these values, and with what its panel shows of other parameters. @param {string[]} sets */
   const run = async (sets) => {
     if (running()) { Desk.say('a run goes on already; end it, or wait for it', true); return; }
     const named = new Set(sets.map((set) => set.split('=')[0]));
+    const all = [...settings().filter((set) => !named.has(set.split('=')[0])), ...sets];
     location.hash = '#run';
-    try { await Desk.ask('run', { speed: Number(place.speed.value), set: [...settings().filter((set) => !named.has(set.split('=')[0])), ...sets], record: [...extra] }); } catch (error) { Desk.refuse(error); }
+    try {
+      unsaved = await leftOut(all);
+      await Desk.ask('run', { speed: Number(place.speed.value), set: all, record: [...extra] });
+    } catch (error) { unsaved = []; Desk.refuse(error); }
+  };
+  /** What was typed here and is in no file, so that a run with these values has nothing of it. @param {string[]} sets */
+  const leftOut = async (sets) => {
+    const { Text, Values } = /** @type {any} */ (R), named = new Set(sets.map((set) => set.split('=')[0].trim()));
+    const texts = Text.dirty(), files = texts.length ? (await Desk.ask('text', { file: '' })).files : [];
+    return [
+      ...texts.filter((/** @type {string} */ file) => files.includes(file)).map((/** @type {string} */ file) => `the text of ${file}, which is not saved (Ctrl S beside the diagram)`),
+      ...Values.typed().filter((/** @type {[string, string]} */ [name]) => !named.has(name)).map((/** @type {[string, string]} */ [name, value]) => `${name} = ${value}, which is typed in Parameters and not written`),
+    ];
+  };
+  /** Warns that a run has nothing of this. @param {string[]} all */
+  const warn = (all) => {
+    lacking = all;
+    place.unsaved.hidden = !all.length;
+    place.unsaved.replaceChildren('Typed, but not in this run:', R.make('ul', {}, ...all.map((one) => R.make('li', {}, one))));
   };
   /** Runs the model. */
   const start = async () => {
@@ -355,7 +376,11 @@
   };
 
   /** The run as it is, with other signals recorded: from its start, and soon where it was. */
-  const again = () => { if (own()) Desk.ask('run', { again: true, record: [...extra], speed: Number(place.speed.value) }).catch(Desk.refuse); };
+  const again = () => {
+    if (!own()) return;
+    unsaved = lacking;
+    Desk.ask('run', { again: true, record: [...extra], speed: Number(place.speed.value) }).catch(Desk.refuse);
+  };
   /** Records a signal and shows it over time, in this run and in those to come. @param {string} name */
   const record = (name) => {
     extra.add(name);
@@ -390,6 +415,7 @@
     if (!view) return;
     place.line = R.make('p', { class: 'run-line' });
     place.knobs = R.make('div', { class: 'knobs' });
+    place.unsaved = R.make('div', { class: 'warning', role: 'status', hidden: '' });
     place.bar = R.make('progress', { max: '1', value: '0', 'aria-label': 'Simulated time' });
     place.pause = Desk.button('❚❚ Pause', () => control({ do: state?.state === 'paused' ? 'go' : 'pause' }), { title: 'Pause and go on (Space)' });
     place.step = Desk.button('Step', () => control({ do: 'step' }), { title: 'To the next row (S)' });
@@ -400,7 +426,7 @@
     place.extra = R.make('div', { class: 'extra' });
     const past = R.make('div', { class: 'past' });
     const tools = R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow);
-    view.replaceChildren(place.line, place.bar, tools, past, place.extra, place.knobs);
+    view.replaceChildren(place.line, place.unsaved, place.bar, tools, past, place.extra, place.knobs);
     Movement.build(tools, { resized: fit });
     R.onChosen.push(blame);
     Futures.build(past, { control, rows: () => rows, time: last, state: () => state, draws: () => draws, redraw: draw, goesBack: () => ['running', 'paused', 'done', 'failed'].includes(state?.state) });
@@ -411,6 +437,7 @@
     Desk.on('back', (/** @type {any} */ data, /** @type {number} */ id) => ordered(id, () => back(data)));
     Desk.on('tuned', (/** @type {any} */ told) => {
       const { t, set, refused, help, without_effect: lost } = told;
+      if (!own()) return;
       Panel.tuned(told);
       const [name, ...rest] = set.split('='), one = knobs.get(name);
       if (one && !refused) one.has = key({ t, text: rest.join('=') });
@@ -448,7 +475,6 @@
     const [start, unit] = own ? [own.value, own.unit] : [Number(number), behind];
     const told = R.make('span', { class: 'note', role: 'status' });
     const field = R.make('input', { type: 'text', value: target.written, 'aria-label': name, size: '12', spellcheck: 'false' });
-      if (!own()) return;
     const set = (/** @type {string} */ value) => { told.textContent = ''; told.classList.remove('bad'); field.value = value; follow(); if (turns()) control({ do: 'set', set: `${name}=${value}` }); else told.textContent = 'for the next run'; };
     field.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => { if (event.key === 'Enter') set(field.value); });
     const parts = [R.make('bdi', {}, name), field];
@@ -476,11 +502,14 @@
     const one = { told, field, has: '', stand, row: R.make('div', { class: 'knob' }, ...parts, away, told) };
     return one;
   };
+  /** @param {{t: number|null, text: string}|undefined} now */
+  const key = (now) => now ? `${now.t} ${now.text}` : '';
   const panel = () => place.knobs.replaceChildren(...[...knobs.values()].map((one) => one.row));
   /** Puts a parameter among those that one wants to turn. @param {string} name @param {any} target @param {any} [own] Its element on the panel of the model. */
   const turn = (name, target, own) => {
     if (!knobs.has(name)) knobs.set(name, knob(name, target, own));
     panel();
+    stand();
     location.hash = '#run';
     Desk.say(`${name} can be turned while a run goes on`);
   };
@@ -497,14 +526,11 @@
       const marks = run === number ? Futures.instants() : [];
       number = run;
       R.guarded('The scopes', () => scopes(told));
-  /** @param {{t: number|null, text: string}|undefined} now */
-  const key = (now) => now ? `${now.t} ${now.text}` : '';
       for (const one of all) if (one.type === 'back') back(one); else add(one);
       Futures.adopt([...marks, ...changes().map(({ t, set }) => ({ t, text: set }))]);
     }
     // News may come later than the answer that contains them.
     [behind, known] = [false, at];
-    stand();
     for (const [id, does] of waiting) ordered(id, does);
     waiting = [];
   };
