@@ -245,7 +245,8 @@ pub fn compile_and_keep(sources: &Sources, root: &Path, options: &Options) -> (O
         if !model.ast.panel.is_empty() {
             let all = targets::of_instances(sources, &resolver.instances.borrow(), &resolver.chosen.borrow());
             let schedule = compiled.schedule.as_ref();
-            compiled.panel = panel::panel(&model.ast, &scope, &all, schedule, &mut problems);
+            compiled.panel =
+                panel::panel((&model.ast, &scope), &all, &compiled.replaced, schedule, &mut problems);
         }
         // What is wrong may hide who reads a parameter.
         if !problems.any_error() {

@@ -32,6 +32,8 @@ pub(crate) struct Override {
     pub of_parameter: Cell<bool>,
     /// What the value was taken for: `45 deg`.
     pub meant: RefCell<Option<String>>,
+    /// What it is worth, where that is one value.
+    pub worth: RefCell<Option<Value>>,
 }
 
 /// Who had the name of an override, so far.
@@ -45,7 +47,7 @@ pub(crate) enum Used {
 }
 
 /// A value of `--set`, as it was understood.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Replaced {
     /// What was replaced: `demand.after`.
     pub target: String,
@@ -53,6 +55,8 @@ pub struct Replaced {
     pub written: String,
     /// With the unit that it was taken in: `45 deg`.
     pub value: String,
+    /// What it is worth, where it is a number or a truth value.
+    pub worth: Option<Value>,
 }
 
 impl Override {
@@ -70,7 +74,7 @@ impl Override {
     pub(crate) fn replaced(&self) -> Replaced {
         let written = self.text.split_once('=').map_or("", |(_, value)| value).trim().to_owned();
         let value = self.meant.borrow().clone().unwrap_or_else(|| written.clone());
-        Replaced { target: self.target().to_owned(), written, value }
+        Replaced { target: self.target().to_owned(), written, value, worth: self.worth.borrow().clone() }
     }
 }
 
@@ -138,6 +142,7 @@ pub(crate) fn parse(sources: &Sources, text: &str) -> Result<Override, Problem> 
         used: RefCell::default(),
         of_parameter: Cell::new(false),
         meant: RefCell::default(),
+        worth: RefCell::default(),
     })
 }
 

@@ -18,13 +18,18 @@
   /** @type {Float64Array[]} Columns with room behind what is known: the times, then the values. */ let columns = [];
   /** Whether values are missing, by column. @type {boolean[]} */ let gaps = [];
   let read = 0, readLater = 0;
-  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, joints = 1, draws = false, starts = false, wanted = '', model = '';
+  let rows = 0, dirty = false, fresh = true, follow = 0, until = 1, said = '', shown = 1, joints = 1, draws = false, starts = false, wanted = '', model = '', path = '', source = '';
   /** Signals that are recorded beside those of the model. @type {Set<string>} */ const extra = new Set();
   /** What came before, and is not known here yet, is asked for; news wait for it. */ let behind = true;
   /** @type {[number, () => void][]} */ let waiting = [];
+  /** What the run that is asked for has nothing of, and the one that is shown. @type {string[]} */ let unsaved = [], /** @type {string[]} */ lacking = [];
   /** Which run is shown, how often it was missed, and the last news that what was asked for contains. */ let number = 0, missed = 0, known = 0;
   /** @type {any} */ const place = { line: null, bar: null, pause: null, step: null, speed: null, follow: null };
   const running = () => state?.state === 'running' || state?.state === 'paused';
+  /** Whether the run is one of the model that is shown. */
+  const own = () => state?.model === path;
+  /** Whether there is a run of that model that can be changed: one that is compiled yet takes the change when it begins. */
+  const turns = () => own() && (running() || state.state === 'starting');
 
   /** Bytes of a text in base64. @param {string} text */
   const bytes = (text) => {
@@ -39,6 +44,7 @@
     if (!look) return;
     look.replaceChildren();
     panels = told.panels;
+    source = state?.model ?? '';
     R.data.panels = panels;
     columns = [];
     gaps = [];
@@ -109,7 +115,7 @@
   };
 
   /** The run stands at an instant of its past: what came behind it is another future. @param {any} told */
-  const back = ({ t, set, refused }) => {
+  const back = ({ t, refused }) => {
     if (refused) { Desk.say(refused, true); return; }
     let kept = rows;
     while (kept > 0 && columns[0][kept - 1] >= t) kept--;
@@ -117,8 +123,6 @@
     rows = kept;
     Movement.anew();
     for (const panel of panels) { panel.offRows = Math.min(panel.offRows ?? 0, rows); panel.stale = true; }
-    Panel.adopt(set);
-    adopt(set);
     if (!dirty) { dirty = true; requestAnimationFrame(draw); }
   };
 
@@ -144,7 +148,12 @@
     Futures.told();
     for (const panel of panels) if (panel.seen) R.Picture.mark(panel);
     tell();
-    if (rows) Panel.show(columns.slice(shown, joints).map((column) => column[rows - 1]));
+    gauges();
+  };
+  /** Gauges and lamps show the last row, if it is one of their model. */
+  const gauges = () => {
+    if (source !== path) Panel.quiet();
+    else if (rows) Panel.show(columns.slice(shown, joints).map((column) => column[rows - 1]));
   };
   /** Gives a picture its rows. @param {any} panel @param {boolean} [kept] Whether what is drawn stays as it is. */
   const give = (panel, kept) => {
@@ -251,7 +260,7 @@
   /** Time of the last row. */
   const last = () => rows ? columns[0][rows - 1] : 0;
   /** Blocks that are to blame for the end of the last run. @returns {string[]} */
-  const failed = () => state?.state === 'failed' ? state.blocks ?? [] : [];
+  const failed = () => own() && state.state === 'failed' ? state.blocks ?? [] : [];
   /** Marks them in the picture, and subsystems that they are in. */
   const blame = () => {
     const { level, nodes } = R.Diagram.now();
@@ -279,11 +288,12 @@
     }[/** @type {'idle'} */ (state?.state ?? 'idle')];
     said = text ?? '';
     // Who is at a link stays there.
-    if (place.line.dataset.told !== `${said} ${name}`) {
+    const key = [said, name, ...failed()].join(' ');
+    if (place.line.dataset.told !== key) {
       const focus = place.line.contains(document.activeElement);
       const blamed = failed().map((path) => Desk.button(path, () => R.showBlock?.(path), { 'aria-label': `Show ${path} in the diagram`, title: 'Show in the diagram' }));
       place.line.replaceChildren(said, ...(blamed.length ? [' ', ...blamed, ' '] : []), ...(name ? [R.make('a', { href: `#runs/${encodeURIComponent(name)}` }, 'Results')] : []));
-      place.line.dataset.told = `${said} ${name}`;
+      place.line.dataset.told = key;
       if (focus) /** @type {HTMLElement|null} */ (place.line.querySelector('a, button'))?.focus();
     }
     place.line.classList.toggle('bad', state?.state === 'failed');
@@ -303,12 +313,30 @@
     fresh = false;
     const before = state?.state;
     state = now;
+    if (now.state === 'starting' && before !== 'starting') { warn(unsaved); unsaved = []; }
     // What was drawn piece by piece is drawn as a whole in the end.
     if (!running() && before === 'running' && !dirty) { dirty = true; requestAnimationFrame(draw); }
     told();
     blame();
+    stand();
     Futures.renew(now);
     if (before !== now.state && before !== undefined) Desk.say(now.state === 'running' ? `${now.model} runs` : said, now.state === 'failed');
+  };
+
+  /** What was set while the run goes on, as `--change` takes it. @returns {{t: number, set: string}[]} */
+  const changes = () => (state?.changes ?? []).map((/** @type {string} */ change) => { const [, t, set] = /** @type {string[]} */ (/^after ([^:]*)s:(.*)$/s.exec(change)); return { t: Number(t), set }; });
+  /** What the run has been set to last of each parameter, and when; from its start on without a time.
+   * @returns {Map<string, {t: number|null, text: string}>} */
+  const changed = () => {
+    const all = [...(state?.set ?? []).map((/** @type {string} */ set) => ({ t: null, set })), ...changes()];
+    return new Map(all.map(({ t, set }) => { const [name, ...rest] = set.split('='); return [name.trim(), { t, text: rest.join('=').trim() }]; }));
+  };
+  /** What can be turned stands where the run does, whoever has turned it. */
+  const stand = () => {
+    if (!turns()) { Panel.settle(); return; }
+    const all = changed();
+    Panel.stand(state.standing ?? [], all);
+    for (const [name, one] of knobs) one.stand(all.get(name));
   };
 
   const control = (/** @type {any} */ body) => Desk.ask('control', body).catch(Desk.refuse);
@@ -316,8 +344,27 @@
   const run = async (sets) => {
     if (running()) { Desk.say('a run goes on already; end it, or wait for it', true); return; }
     const named = new Set(sets.map((set) => set.split('=')[0]));
+    const all = [...settings().filter((set) => !named.has(set.split('=')[0])), ...sets];
     location.hash = '#run';
-    try { await Desk.ask('run', { speed: Number(place.speed.value), set: [...settings().filter((set) => !named.has(set.split('=')[0])), ...sets], record: [...extra] }); } catch (error) { Desk.refuse(error); }
+    try {
+      unsaved = await leftOut(all);
+      await Desk.ask('run', { speed: Number(place.speed.value), set: all, record: [...extra] });
+    } catch (error) { unsaved = []; Desk.refuse(error); }
+  };
+  /** What was typed here and is in no file, so that a run with these values has nothing of it. @param {string[]} sets */
+  const leftOut = async (sets) => {
+    const { Text, Values } = /** @type {any} */ (R), named = new Set(sets.map((set) => set.split('=')[0].trim()));
+    const texts = Text.dirty(), files = texts.length ? (await Desk.ask('text', { file: '' })).files : [];
+    return [
+      ...texts.filter((/** @type {string} */ file) => files.includes(file)).map((/** @type {string} */ file) => `the text of ${file}, which is not saved (Ctrl S beside the diagram)`),
+      ...Values.typed().filter((/** @type {[string, string]} */ [name]) => !named.has(name)).map((/** @type {[string, string]} */ [name, value]) => `${name} = ${value}, which is typed in Parameters and not written`),
+    ];
+  };
+  /** Warns that a run has nothing of this. @param {string[]} all */
+  const warn = (all) => {
+    lacking = all;
+    place.unsaved.hidden = !all.length;
+    place.unsaved.replaceChildren('Typed, but not in this run:', R.make('ul', {}, ...all.map((one) => R.make('li', {}, one))));
   };
   /** Runs the model. */
   const start = async () => {
@@ -329,13 +376,17 @@
   };
 
   /** The run as it is, with other signals recorded: from its start, and soon where it was. */
-  const again = () => { if (state && state.state !== 'idle') Desk.ask('run', { again: true, record: [...extra], speed: Number(place.speed.value) }).catch(Desk.refuse); };
+  const again = () => {
+    if (!own()) return;
+    unsaved = lacking;
+    Desk.ask('run', { again: true, record: [...extra], speed: Number(place.speed.value) }).catch(Desk.refuse);
+  };
   /** Records a signal and shows it over time, in this run and in those to come. @param {string} name */
   const record = (name) => {
     extra.add(name);
     recorded();
     wanted = name;
-    const runs = state && !['idle', 'starting'].includes(state.state);
+    const runs = own();
     Desk.say(runs ? `${name} is recorded: the run is repeated to where it was` : `${name} is recorded by the next run`);
     if (runs) again();
   };
@@ -343,8 +394,8 @@
     const chip = (/** @type {string} */ name) => R.make('li', {}, R.make('bdi', {}, name), ' ', Desk.button('×', () => { extra.delete(name); recorded(); }, { 'aria-label': `Do not record ${name}`, title: 'Not in the runs to come' }));
     place.extra.replaceChildren(...(extra.size ? [R.make('b', {}, 'Recorded as well'), R.make('ul', {}, ...[...extra].map(chip))] : []));
   };
-  /** What was asked for of another model has no meaning here. @param {string} name @param {boolean} has Whether it has a panel. */
-  const of = (name, has) => {
+  /** What was asked for of another model has no meaning here. @param {string} name @param {string} at Its place, as runs name it. @param {boolean} has Whether it has a panel. */
+  const of = (name, at, has) => {
     if (model && model !== name) {
       extra.clear();
       recorded();
@@ -353,7 +404,8 @@
       for (const [own, one] of others.get(name) ?? []) knobs.set(own, one);
       panel();
     }
-    model = name;
+    [model, path] = [name, at];
+    gauges();
     // Who turns something is to see what comes of it.
     if (!place.paced) place.speed.value = has ? '1' : '0';
   };
@@ -363,6 +415,7 @@
     if (!view) return;
     place.line = R.make('p', { class: 'run-line' });
     place.knobs = R.make('div', { class: 'knobs' });
+    place.unsaved = R.make('div', { class: 'warning', role: 'status', hidden: '' });
     place.bar = R.make('progress', { max: '1', value: '0', 'aria-label': 'Simulated time' });
     place.pause = Desk.button('❚❚ Pause', () => control({ do: state?.state === 'paused' ? 'go' : 'pause' }), { title: 'Pause and go on (Space)' });
     place.step = Desk.button('Step', () => control({ do: 'step' }), { title: 'To the next row (S)' });
@@ -373,19 +426,21 @@
     place.extra = R.make('div', { class: 'extra' });
     const past = R.make('div', { class: 'past' });
     const tools = R.make('div', { class: 'run-tools' }, place.pause, place.step, place.speed, place.follow);
-    view.replaceChildren(place.line, place.bar, tools, past, place.extra, place.knobs);
+    view.replaceChildren(place.line, place.unsaved, place.bar, tools, past, place.extra, place.knobs);
     Movement.build(tools, { resized: fit });
     R.onChosen.push(blame);
     Futures.build(past, { control, rows: () => rows, time: last, state: () => state, draws: () => draws, redraw: draw, goesBack: () => ['running', 'paused', 'done', 'failed'].includes(state?.state) });
-    Panel.build(document.getElementById('panel'), { running, set: (/** @type {string} */ set) => control({ do: 'set', set }) });
+    Panel.build(document.getElementById('panel'), { running: turns, set: (/** @type {string} */ set) => control({ do: 'set', set }) });
     told();
     Desk.on('scopes', (/** @type {any} */ data, /** @type {number} */ id) => ordered(id, () => { number = state?.number ?? 0; R.guarded('The scopes', () => scopes(data)); }));
     Desk.on('rows', (/** @type {any} */ data, /** @type {number} */ id) => ordered(id, () => add(data)));
     Desk.on('back', (/** @type {any} */ data, /** @type {number} */ id) => ordered(id, () => back(data)));
     Desk.on('tuned', (/** @type {any} */ told) => {
       const { t, set, refused, help, without_effect: lost } = told;
+      if (!own()) return;
       Panel.tuned(told);
-      const one = knobs.get(set.split('=')[0]);
+      const [name, ...rest] = set.split('='), one = knobs.get(name);
+      if (one && !refused) one.has = key({ t, text: rest.join('=') });
       if (one) { one.told.textContent = refused ? [refused, help].filter(Boolean).join(' – ') : `since ${R.say(t)} s${lost?.length ? `; values at the start of ${lost.join(', ')} have no effect any more` : ''}`; one.told.classList.toggle('bad', Boolean(refused)); }
     });
     Desk.on('run', renew);
@@ -420,7 +475,7 @@
     const [start, unit] = own ? [own.value, own.unit] : [Number(number), behind];
     const told = R.make('span', { class: 'note', role: 'status' });
     const field = R.make('input', { type: 'text', value: target.written, 'aria-label': name, size: '12', spellcheck: 'false' });
-    const set = (/** @type {string} */ value) => { told.textContent = ''; told.classList.remove('bad'); field.value = value; follow(); if (running()) control({ do: 'set', set: `${name}=${value}` }); else told.textContent = 'for the next run'; };
+    const set = (/** @type {string} */ value) => { told.textContent = ''; told.classList.remove('bad'); field.value = value; follow(); if (turns()) control({ do: 'set', set: `${name}=${value}` }); else told.textContent = 'for the next run'; };
     field.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => { if (event.key === 'Enter') set(field.value); });
     const parts = [R.make('bdi', {}, name), field];
     /** The slider goes where the value is, if it is a number of its unit. */ let follow = () => {};
@@ -434,20 +489,27 @@
       parts.push(slider);
     } else if (target.written === 'true' || target.written === 'false') parts.push(Desk.button('switch', () => set(field.value === 'true' ? 'false' : 'true')));
     const away = Desk.button('×', () => { knobs.delete(name); panel(); }, { 'aria-label': `Take ${name} away` });
-    /** Stands where the run is, and sends nothing. @param {string|undefined} text */
-    const stand = (text) => { field.value = text ?? field.defaultValue; told.textContent = ''; told.classList.remove('bad'); follow(); };
-    return { told, field, stand, row: R.make('div', { class: 'knob' }, ...parts, away, told) };
+    /** Stands where the run is, and sends nothing; what was typed since stays until the run has another value.
+     * @param {{t: number|null, text: string}|undefined} now */
+    const stand = (now) => {
+      if (one.has === key(now)) return;
+      one.has = key(now);
+      field.value = now?.text ?? field.defaultValue;
+      told.textContent = typeof now?.t === 'number' ? `since ${R.say(now.t)} s` : '';
+      told.classList.remove('bad');
+      follow();
+    };
+    const one = { told, field, has: '', stand, row: R.make('div', { class: 'knob' }, ...parts, away, told) };
+    return one;
   };
-  /** All stand where a run has been set to. @param {string[]} sets */
-  const adopt = (sets) => {
-    const all = new Map(sets.map((set) => { const [name, ...rest] = set.split('='); return [name.trim(), rest.join('=').trim()]; }));
-    for (const [name, one] of knobs) one.stand(all.get(name));
-  };
+  /** @param {{t: number|null, text: string}|undefined} now */
+  const key = (now) => now ? `${now.t} ${now.text}` : '';
   const panel = () => place.knobs.replaceChildren(...[...knobs.values()].map((one) => one.row));
   /** Puts a parameter among those that one wants to turn. @param {string} name @param {any} target @param {any} [own] Its element on the panel of the model. */
   const turn = (name, target, own) => {
     if (!knobs.has(name)) knobs.set(name, knob(name, target, own));
     panel();
+    stand();
     location.hash = '#run';
     Desk.say(`${name} can be turned while a run goes on`);
   };
@@ -465,7 +527,7 @@
       number = run;
       R.guarded('The scopes', () => scopes(told));
       for (const one of all) if (one.type === 'back') back(one); else add(one);
-      Futures.adopt(marks);
+      Futures.adopt([...marks, ...changes().map(({ t, set }) => ({ t, text: set }))]);
     }
     // News may come later than the answer that contains them.
     [behind, known] = [false, at];
@@ -478,5 +540,5 @@
       if (width > 0) u.setSize({ width, height: u.heights.screen });
     }
   };
-  return { build, renew, turn, record, of, run, again: () => { fresh = true; behind = true; waiting = []; missed++; }, start, fit, span, speed: () => Number(place.speed.value), catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
+  return { build, renew, shows: (/** @type {string} */ at) => source === at, turn, record, of, run, again: () => { fresh = true; behind = true; waiting = []; missed++; }, start, fit, span, catchUp, end: () => control({ do: 'stop' }), pause: () => { if (running()) place.pause.click(); }, step: () => { if (!place.step.disabled) place.step.click(); }, rows: () => rows };
 })();

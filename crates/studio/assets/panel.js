@@ -8,7 +8,8 @@
   const SVG = 'http://www.w3.org/2000/svg';
   /** Changes of a slider are sent no more often than this, ms; screen readers hear of gauges no more often than that. */
   const SEND = 60, HEAR = 250;
-  let known = '';
+  let known = '', model = '';
+  /** What was turned of other models of the project, by the text of the element. @type {Map<string, Map<string, any>>} */ const others = new Map();
   /** @type {any[]} */ let elements = [];
   /** @type {any} */ let place = null;
   /** @type {{running: () => boolean, set: (set: string) => void}} */ let run = { running: () => false, set: () => {} };
@@ -32,13 +33,19 @@
   /** A value of a text as people write it. @param {string} text */
   const pretty = (text) => text.replaceAll('*', '·').replaceAll('deg', '°');
 
-  /** What every element has: its name, a line for what came of a change, what it stands on. @param {any} item */
-  const base = (item) => ({ item, name: item.name, label: item.label ?? item.name, note: R.make('div', { class: 'note', role: 'status' }) });
+  /** What every element has: its name, a line for what came of a change, what it stands on; whether a run has still to answer what was
+   * sent, and since when the run has it so. @param {any} item */
+  const base = (item) => ({ item, name: item.name, label: item.label ?? item.name, note: R.make('div', { class: 'note', role: 'status' }), waits: false, since: /** @type {number|null|undefined} */ (null) });
   /** Sends a value, or keeps it for the next run. @param {any} element @param {string} text */
   const send = (element, text) => {
     element.note.classList.remove('bad');
     element.sent = text;
-    if (run.running()) { element.note.textContent = ''; run.set(`${element.name}=${text}`); } else element.note.textContent = element.isWritten() ? '' : 'for the next run';
+    element.waits = run.running();
+    if (element.waits) { element.note.textContent = ''; run.set(`${element.name}=${text}`); } else {
+      element.note.textContent = element.isWritten() ? '' : 'for the next run';
+      // Whatever that one tells of it is new.
+      element.since = undefined;
+    }
     again();
   };
 
@@ -58,15 +65,20 @@
     /** @param {number} value @param {boolean} now Whether it is sent at once. */
     element.set = (value, now) => {
       element.value = value;
+      element.waits = true;
       field.value = String(value);
       element.shown();
       clearTimeout(wait);
       wait = setTimeout(() => send(element, element.text()), now ? 0 : SEND);
     };
-    /** Stands where the run is, and sends nothing. @param {string|undefined} text */
-    element.adopt = (text) => {
-      const value = text === undefined ? item.value : parseFloat(text);
-      element.value = Number.isFinite(value) ? value : item.value;
+    element.now = () => ({ value: element.value });
+    /** Whether this is told of the element. @param {any} now */
+    element.isMeant = (now) => now.name === item.name && now.unit === unit;
+    /** @param {any} now */
+    element.isAt = (now) => element.value === now.value;
+    /** Stands where the run is, or as it is written, and sends nothing. @param {any} now */
+    element.adopt = (now) => {
+      element.value = now?.value ?? item.value;
       field.value = String(element.value);
       element.shown();
       element.note.textContent = '';
@@ -149,7 +161,13 @@
     element.text = () => element.isOn ? item.on : item.off;
     /** @param {boolean} on */
     element.set = (on) => { element.isOn = on; element.shown(); send(element, element.text()); };
-    element.adopt = (/** @type {string|undefined} */ text) => { element.isOn = text === undefined ? item.isOn : text === item.on; element.shown(); element.note.textContent = ''; };
+    element.now = () => ({ isOn: element.isOn });
+    /** @param {any} now */
+    element.isMeant = (now) => now.name === item.name && now.off === item.off && now.on === item.on;
+    /** @param {any} now */
+    element.isAt = (now) => element.isOn === now.isOn;
+    /** @param {any} now */
+    element.adopt = (now) => { element.isOn = now?.isOn ?? item.isOn; element.shown(); element.note.textContent = ''; };
     element.reset = () => element.set(item.isOn);
     return element;
   };
@@ -234,14 +252,15 @@
   /** Whether there is something to take back. */
   const again = () => { if (place.again) place.again.hidden = turned().every((element) => element.isWritten()); };
 
-  /** Shows the panel of a model. What was turned stays where the model says the same of it. @param {any[]} items */
-  const renew = (items) => {
-    const text = JSON.stringify(items);
+  /** Shows the panel of a model. What was turned stays with its model, where that says the same of it. @param {any[]} items @param {string} of The model. */
+  const renew = (items, of) => {
+    const text = JSON.stringify([of, items]);
     if (text === known || !place) return;
     known = text;
-    const before = new Map(turned().filter((element) => !element.isWritten()).map((element) => [JSON.stringify(element.item), element.text()]));
+    others.set(model, new Map(turned().filter((element) => !element.isWritten()).map((element) => [JSON.stringify(element.item), element.now()])));
+    model = of;
     elements = items.map((item) => MAKE[item.kind](item));
-    for (const element of turned()) { const text = before.get(JSON.stringify(element.item)); if (text !== undefined) element.adopt(text); }
+    for (const element of turned()) { const now = others.get(model)?.get(JSON.stringify(element.item)); if (now) element.adopt(now); }
     place.again = Desk.button('As written', () => { for (const element of turned()) if (!element.isWritten()) element.reset(); }, { title: 'All controls back to the values of the model' });
     place.view.replaceChildren(...(elements.length ? [R.make('h2', {}, 'Panel'), ...elements.map((element) => element.row), place.again] : []));
     place.view.closest('.run-parts').classList.toggle('with-panel', elements.length > 0);
@@ -252,23 +271,37 @@
   const build = (view, owner) => { place = { view, again: null }; run = owner; };
   /** What came of a change. @param {any} told */
   const tuned = ({ t, set, refused, help, without_effect: lost }) => {
-    const [name, ...rest] = set.split('='), element = elements.find((one) => one.set && one.name === name);
+    const [name, ...rest] = set.split('=');
     // What has been turned on since has an answer of its own.
-    if (!element || element.sent !== rest.join('=')) return;
-    element.note.textContent = refused ? [refused, help].filter(Boolean).join(' – ') : lost?.length ? `values at the start of ${lost.join(', ')} have no effect any more` : `since ${R.say(t)} s`;
-    element.note.classList.toggle('bad', Boolean(refused));
+    for (const element of turned().filter((one) => one.name === name && one.sent === rest.join('='))) {
+      element.waits = false;
+      if (!refused) element.since = t;
+      element.note.textContent = refused ? [refused, help].filter(Boolean).join(' – ') : lost?.length ? `values at the start of ${lost.join(', ')} have no effect any more` : since(t);
+      element.note.classList.toggle('bad', Boolean(refused));
+    }
   };
+  /** @param {number|null} t */
+  const since = (t) => t === null ? '' : `since ${R.say(t)} s`;
   /** Shows the present values of the signals of the panel, in its order. @param {number[]} values */
   const show = (values) => { let n = 0; for (const element of elements) if (element.show && n < values.length) element.show(values[n++]); };
   const quiet = () => { for (const element of elements) element.quiet?.(); };
   /** What differs from the model, as `--set` takes it. @returns {string[]} */
   const settings = () => turned().filter((element) => !element.isWritten()).map((element) => `${element.name}=${element.text()}`);
-  /** All controls stand where a run has been set to. @param {string[]} sets */
-  const adopt = (sets) => {
-    const all = new Map(sets.map((set) => { const [name, ...rest] = set.split('='); return [name.trim(), rest.join('=').trim()]; }));
-    for (const element of turned()) element.adopt(all.get(element.name));
+  /** All controls stand where the run does, but for those whose change is still on its way to it.
+   * @param {any[]} standing What the run tells of its controls. @param {Map<string, {t: number|null}>} changed When parameters were set last. */
+  const stand = (standing, changed) => {
+    for (const element of turned()) {
+      const now = standing.find(element.isMeant), t = changed.get(element.name)?.t ?? null;
+      if (!now || element.waits) continue;
+      if (!element.isAt(now)) element.adopt(now); else if (element.since === t) continue;
+      element.since = t;
+      element.note.textContent = since(t);
+      element.note.classList.remove('bad');
+    }
     again();
   };
+  /** No run answers any more what was sent. */
+  const settle = () => { for (const element of turned()) element.waits = false; };
   const focus = () => elements.find((element) => element.focus)?.focus.focus();
-  return { build, renew, tuned, show, quiet, settings, adopt, focus, elements: () => elements };
+  return { build, renew, tuned, show, quiet, settings, stand, settle, focus, elements: () => elements };
 })();

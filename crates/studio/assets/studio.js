@@ -30,10 +30,10 @@
     scrollTo(0, 0);
   };
 
-  /** What the wires carry is told by the scopes of the run, where they show it. */
+  /** What the wires carry is told by the scopes of the run, where they show it; those of another model tell nothing of this one. */
   const probe = () => {
     /** @type {Map<string, [number, number]>} */ const places = new Map();
-    R.data.panels.forEach((/** @type {any} */ panel, /** @type {number} */ at) => panel.byOrder?.forEach((/** @type {any} */ s, /** @type {number} */ n) => { if (!places.has(s.path)) places.set(s.path, [at, n]); }));
+    if (Live.shows(texts.model)) R.data.panels.forEach((/** @type {any} */ panel, /** @type {number} */ at) => panel.byOrder?.forEach((/** @type {any} */ s, /** @type {number} */ n) => { if (!places.has(s.path)) places.set(s.path, [at, n]); }));
     texts.levels.forEach((/** @type {any} */ level, /** @type {number} */ n) => {
       level.probes = known[n].map((/** @type {any[]} */ probes, /** @type {number} */ at) => {
         const scoped = probes.flatMap(([element, panel, place]) => { const there = places.get(texts.panels[panel]?.[place]); return there ? [[element, ...there]] : []; });
@@ -69,8 +69,8 @@
       if (version && R.Diagram.has()) await diagram(version);
       const told = await Desk.ask('project');
       Project.renew(told);
-      Panel.renew(told.panel);
-      Live.of(told.model, told.panel.length > 0);
+      Panel.renew(told.panel, told.path);
+      Live.of(told.model, told.path, told.panel.length > 0);
       Live.renew(told.run);
       document.title = `${told.title} – blocksim`;
       await Live.catchUp();

@@ -11,16 +11,22 @@
   /** @type {any} */ const place = { filter: null, list: null, change: null };
   /** The sheet that is shown; empty for all. */ let sheet = '';
   /** Values of the run that is compared with. @type {any} */ let other = null;
-  /** What was typed and is not written, by its target; nothing of it is lost when the model changes. @type {Map<string, string>} */ let typed = new Map();
+  /** What was typed and is not written, by its target, and what was written when that began; nothing of it is lost when the model changes.
+   * @type {Map<string, {value: string, was: string}>} */ let typed = new Map();
   /** Why what was typed is not taken, by its target. @type {Map<string, {message: string, help?: string}>} */ let wrong = new Map();
-  /** Both, of the other models of the project: names of one mean something else in another. @type {Map<string, [Map<string, string>, Map<string, {message: string, help?: string}>]>} */ const drafts = new Map();
+  /** Both, of the other models of the project: names of one mean something else in another. @type {Map<string, [Map<string, {value: string, was: string}>, Map<string, {message: string, help?: string}>]>} */ const drafts = new Map();
 
   /** Shows why a value is not taken, or that nothing is wrong with it. @param {string} target @param {HTMLElement} [place] Where, if not in the list. */
   const explain = (target, place) => {
-    const answer = place ?? document.querySelector(`#values-view .answer[data-target="${CSS.escape(target)}"]`), why = wrong.get(target);
+    const answer = place ?? document.querySelector(`#values-view .answer[data-target="${CSS.escape(target)}"]`), why = wrong.get(target) ?? overtaken(target);
     // An empty one would only be in the way of those who listen.
     if (why) answer?.setAttribute('role', 'alert'); else answer?.removeAttribute('role');
     answer?.replaceChildren(...(why ? [R.make('span', { class: 'bad' }, why.message), ...(why.help ? [R.make('div', { class: 'note' }, why.help)] : [])] : []));
+  };
+  /** What is to be known of a value that others have changed while one typed another. @param {string} target */
+  const overtaken = (target) => {
+    const one = typed.get(target), now = known.targets.find((/** @type {any} */ one) => one.name === target)?.written;
+    return one && now !== undefined && now !== one.was ? { message: `the file has ${now} by now; it had ${one.was}`, help: 'what you typed stays; Esc takes the value of the file' } : undefined;
   };
   /** @param {string} target @param {string} value @param {boolean} only Run with it, without writing it. */
   const change = async (target, value, only) => {
@@ -30,15 +36,16 @@
     explain(target);
     try {
       if (only) {
-        await Desk.ask('run', { set: [`${target}=${value}`], speed: Live.speed() });
-        location.hash = '#run';
+        await Live.run([`${target}=${value}`]);
         return;
       }
-      const done = await Desk.ask('set', { model, target, value });
+      const done = await Desk.ask('set', { model, target, value, was: mine.get(target)?.was });
       mine.delete(target);
       told(done);
     } catch (error) {
       const { message, why: refused } = /** @type {any} */ (error);
+      // It was refused for what the file has by now; who has read that may write over it.
+      if (refused?.written !== undefined) mine.set(target, { value, was: refused.written });
       // The list may be another one by now.
       why.set(target, { message, help: refused?.help });
       explain(target);
@@ -61,13 +68,13 @@
     if (target.lines > 1) return [R.make('bdi', {}, target.name), R.make('span', { class: 'note' }, `${target.lines} lines`), target.worth, target.unit, '', '', where, shared, ...(other ? [beside(target)] : [])];
     const answer = R.make('div', { class: 'answer', 'data-target': target.name });
     explain(target.name, answer);
-    const field = R.make('input', { type: 'text', value: typed.get(target.name) ?? target.written, 'aria-label': target.name, spellcheck: 'false', size: String(Math.min(Math.max(target.written.length, 8), 36)) });
+    const field = R.make('input', { type: 'text', value: typed.get(target.name)?.value ?? target.written, 'aria-label': target.name, spellcheck: 'false', size: String(Math.min(Math.max(target.written.length, 8), 36)) });
     if (!known.edit) field.setAttribute('data-look', 'true');
     const write = Desk.button('Write', () => change(target.name, field.value, false), { title: `Write it to ${target.place} (Enter)` });
     const run = Desk.button('Run with it', () => change(target.name, field.value, true), { title: 'Run with this value; no file is changed (Shift Enter)' });
     const turn = Desk.button('Turn', () => Live.turn(target.name, target, panel(target.name)), { title: 'Turn it while a run goes on' });
     const open = () => field.value !== target.written;
-    const shown = () => { write.hidden = !open() || !known.edit; run.hidden = !open(); if (open()) typed.set(target.name, field.value); else typed.delete(target.name); };
+    const shown = () => { write.hidden = !open() || !known.edit; run.hidden = !open(); if (open()) typed.set(target.name, { value: field.value, was: typed.get(target.name)?.was ?? target.written }); else typed.delete(target.name); };
     field.addEventListener('input', () => { shown(); bar(); });
     field.addEventListener('keydown', (/** @type {KeyboardEvent} */ event) => {
       if (event.key === 'Enter' && open()) change(target.name, field.value, event.shiftKey || !known.edit);
@@ -111,8 +118,8 @@
 
   /** What was typed and is not written, all at a time. */
   const bar = () => {
-    const count = typed.size, sets = () => [...typed].map(([target, value]) => `${target}=${value}`);
-    const all = async () => { for (const [target, value] of [...typed]) await change(target, value, false); await renew(); };
+    const count = typed.size, sets = () => [...typed].map(([target, { value }]) => `${target}=${value}`);
+    const all = async () => { for (const [target, { value }] of [...typed]) await change(target, value, false); await renew(); };
     const drop = () => { typed.clear(); wrong.clear(); show(); };
     place.pending.replaceChildren(...(count > 1 ? [R.make('b', {}, `${count} changes are not written`), ' ', ...(known.edit ? [Desk.button('Write all', all)] : []), Desk.button('Run with all', () => Live.run(sets()), { title: 'Run with these values; no file is changed' }), Desk.button('Discard all', drop)] : []));
   };
@@ -180,5 +187,5 @@
     sheet = '';
     show();
   };
-  return { renew, undo, find };
+  return { renew, undo, find, typed: () => [...typed].map(([name, { value }]) => [name, value]) };
 })();

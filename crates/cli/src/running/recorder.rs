@@ -6,7 +6,7 @@ use blocksim_recording::{EventRow, RecordingError, Stream};
 use blocksim_sim::{Control, Counts, Observer};
 
 use crate::running::interrupt;
-use crate::running::tuning::{self, Came, Planned, Tunes};
+use crate::running::tuning::{self, Came, Planned, Setting, Tunes};
 use crate::terminal::progress::Progress;
 
 /// Rows and events of a run on their way to the disk, and who is told how far it is.
@@ -90,7 +90,7 @@ impl Tunes for WithChanges<'_> {
         if self.refused.is_some() { None } else { self.planned.next(t).map(|(_, set)| set) }
     }
 
-    fn tuned(&mut self, t: f64, set: &str, came: Came) {
+    fn tuned(&mut self, t: f64, set: &str, came: Came, _: &Setting) {
         match came {
             Ok(without_effect) => {
                 let (target, what) = tuning::event(set, &without_effect);

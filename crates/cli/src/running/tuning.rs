@@ -4,13 +4,14 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use blocksim_block::schedule::Schedule;
-use blocksim_diagram::{Options, SourceFile, Sources, compile_with};
+use blocksim_diagram::{Options, PanelItem, SourceFile, Sources, compile_with};
 use blocksim_sim::{Ended, NUMBERS, Observer, SimError, Simulation, other_model, untunable};
 
 use crate::args::model::RunArgs;
 use crate::disk::{Disk, Overlaid};
 use crate::exit::Exit;
 use crate::failure::Failure;
+use crate::loaded::Loaded;
 use crate::running::{interrupt, solver};
 use crate::trust::{Plugins, Purpose};
 
@@ -18,13 +19,22 @@ use crate::trust::{Plugins, Purpose};
 /// helps.
 pub type Came = Result<Vec<String>, (String, Option<String>)>;
 
+/// What is set, from the start on, and what the panel of the model shows of that.
+#[derive(Debug, Clone, Default)]
+pub struct Setting {
+    /// As `--set` takes it.
+    pub set: Vec<String>,
+    /// The elements of the panel.
+    pub panel: Arc<[PanelItem]>,
+}
+
 /// An observer that wants parameters to change.
 pub trait Tunes: Observer {
     /// When something is to be set next, as far as that is known before, s.
     fn planned(&self) -> Option<f64>;
 
-    /// The run has stopped at the end of a step, for whatever reason; `set` is what has been set from the start on.
-    fn stopped(&mut self, _simulation: &Simulation, _set: &[String]) {}
+    /// The run has stopped at the end of a step, for whatever reason.
+    fn stopped(&mut self, _simulation: &Simulation, _setting: &Setting) {}
 
     /// Whether the run goes from a snapshot to a time of its past. What was set where the snapshot was taken is wanted at once then: the
     /// stop for it lies behind.
@@ -40,8 +50,8 @@ pub trait Tunes: Observer {
         has_set
     }
 
-    /// What came of it.
-    fn tuned(&mut self, t: f64, set: &str, came: Came);
+    /// What came of it, and all that is set now.
+    fn tuned(&mut self, t: f64, set: &str, came: Came, setting: &Setting);
 }
 
 /// When a parameter changes, s.
@@ -104,8 +114,7 @@ pub fn written(t: f64, set: &str) -> String {
 
 /// What makes the model anew, from the texts of the start.
 pub struct Tuner<'a> {
-    /// What is set.
-    set: Vec<String>,
+    setting: Setting,
     args: &'a RunArgs,
     /// Texts that the model was made of.
     texts: Vec<SourceFile>,
@@ -113,13 +122,15 @@ pub struct Tuner<'a> {
 
 impl<'a> Tuner<'a> {
     /// One for a run of a model.
-    pub fn new(args: &'a RunArgs, texts: &[SourceFile]) -> Tuner<'a> {
-        Tuner { set: args.model.set.clone(), args, texts: texts.to_vec() }
+    pub fn new(args: &'a RunArgs, loaded: &Loaded) -> Tuner<'a> {
+        let panel = loaded.compiled.panel.clone().into();
+        let setting = Setting { set: args.model.set.clone(), panel };
+        Tuner { setting, args, texts: loaded.on_disk.clone() }
     }
 
-    /// Goes on from where so much was set.
-    pub fn go_back(&mut self, set: Vec<String>) {
-        self.set = set;
+    /// Goes on from where this was set.
+    pub fn go_back(&mut self, setting: Setting) {
+        self.setting = setting;
     }
 
     /// Runs to the end, with the changes that the observer wants.
@@ -140,7 +151,7 @@ impl<'a> Tuner<'a> {
             if !is_asked && !is_there {
                 return Ok(ended);
             }
-            observer.stopped(simulation, &self.set);
+            observer.stopped(simulation, &self.setting);
             let has_set = self.set_wanted(simulation, observer);
             if !observer.goes_on(has_set) {
                 return Ok(ended);
@@ -155,19 +166,19 @@ impl<'a> Tuner<'a> {
         while let Some(set) = observer.wanted(t) {
             has_set = true;
             let came = self.tune(simulation, &set, observer);
-            observer.tuned(t, &set, came);
+            observer.tuned(t, &set, came, &self.setting);
         }
         has_set
     }
 
     /// Sets one more parameter.
     fn tune(&mut self, simulation: &mut Simulation, set: &str, observer: &mut dyn Observer) -> Came {
-        let mut all = self.set.clone();
+        let mut all = self.setting.set.clone();
         all.push(set.to_owned());
-        let schedule = self.made(&all)?;
+        let (schedule, panel) = self.made(&all)?;
         let without_effect =
             simulation.tune(Arc::new(schedule), observer).map_err(|error| (error.message, error.help))?;
-        self.set = all;
+        self.setting = Setting { set: all, panel: panel.into() };
         Ok(without_effect)
     }
 
@@ -176,12 +187,12 @@ impl<'a> Tuner<'a> {
     /// # Errors
     /// `tuning` with the first of them.
     pub fn foresee(&self, schedule: &Schedule, changes: &[(When, String)]) -> Result<(), Failure> {
-        let mut all = self.set.clone();
+        let mut all = self.setting.set.clone();
         let mut planned = Planned::new(changes);
         while let Some((when, set)) = planned.next(f64::INFINITY) {
             all.push(set.clone());
             let refused = match self.made(&all) {
-                Ok(next) => {
+                Ok((next, _)) => {
                     untunable(schedule, &next).map(|why| (other_model(&why), Some(NUMBERS.to_owned())))
                 }
                 Err(refused) => Some(refused),
@@ -194,8 +205,8 @@ impl<'a> Tuner<'a> {
         Ok(())
     }
 
-    /// The model with all of this set.
-    fn made(&self, all: &[String]) -> Result<Schedule, (String, Option<String>)> {
+    /// The model with all of this set, and its panel.
+    fn made(&self, all: &[String]) -> Result<(Schedule, Vec<PanelItem>), (String, Option<String>)> {
         let disk = Disk::with(Plugins::of(self.args.model.plugins, Purpose::Run));
         let texts = self.texts.iter().map(|file| (file.path.clone(), file.text.to_string())).collect();
         let reader = Overlaid { disk, texts };
@@ -207,7 +218,7 @@ impl<'a> Tuner<'a> {
                 .map_or(("it cannot be set".to_owned(), None), |problem| (problem.message, problem.help)));
         };
         solver::apply(&self.args.solver, &mut schedule.settings).map_err(refusal)?;
-        Ok(schedule)
+        Ok((schedule, compiled.panel))
     }
 }
 

@@ -2,8 +2,11 @@
 //! with the parameter or the signal that it names.
 
 mod range;
+#[cfg(test)]
+mod tests;
 mod values;
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -13,6 +16,7 @@ use blocksim_signal::Unit;
 
 use crate::ast::{Ast, PanelAst, PanelWord};
 use crate::flatten::record::matches;
+use crate::overrides::Replaced;
 use crate::problems::{Problems, mended};
 use crate::scope::Scope;
 use crate::settings::start::split_element;
@@ -44,6 +48,8 @@ pub enum PanelAction {
         range: [f64; 2],
         /// The value that the text has, in the same unit.
         value: f64,
+        /// The value that it has with what is set.
+        now: f64,
         /// The unit as it stands behind a number; empty for a bare one.
         unit: String,
     },
@@ -55,6 +61,8 @@ pub enum PanelAction {
         on: String,
         /// Whether the text has the second.
         is_on: bool,
+        /// Whether it has the second with what is set.
+        is_on_now: bool,
     },
     /// Shows a recorded signal.
     Shows {
@@ -69,16 +77,17 @@ pub enum PanelAction {
     },
 }
 
-/// Compares the elements of the panel with a model. Without a schedule nothing is known of signals.
+/// Compares the elements of the panel with a model and with what is set for it. Without a schedule nothing is known of signals.
 pub(crate) fn panel<'a>(
-    ast: &Ast,
-    scope: &Rc<Scope<'a>>,
+    (ast, scope): (&Ast, &Rc<Scope<'a>>),
     targets: &[Target],
+    replaced: &[Replaced],
     schedule: Option<&Schedule>,
     problems: &mut Problems,
 ) -> Vec<PanelItem> {
     let faulty = problems.error_places();
-    let panel = Panel { ast, scope, targets, schedule, faulty };
+    let set = set(targets, replaced);
+    let panel = Panel { ast, scope, targets, set, schedule, faulty };
     let mut items = Vec::new();
     for element in &ast.panel {
         match panel.item(element) {
@@ -93,10 +102,22 @@ pub(crate) fn panel<'a>(
     items
 }
 
+/// What was set last of each target, by its name.
+fn set<'p>(targets: &'p [Target], replaced: &'p [Replaced]) -> HashMap<&'p str, &'p Replaced> {
+    // A parameter that is turned is set again and again.
+    let last: HashMap<&str, &Replaced> = replaced.iter().map(|one| (one.target.as_str(), one)).collect();
+    let named = |(name, one)| match find(targets, name) {
+        Found::One(target) => Some((target.name.as_str(), one)),
+        _ => None,
+    };
+    last.into_iter().filter_map(named).collect()
+}
+
 struct Panel<'p, 'a> {
     ast: &'p Ast,
     scope: &'p Rc<Scope<'a>>,
     targets: &'p [Target],
+    set: HashMap<&'p str, &'p Replaced>,
     schedule: Option<&'p Schedule>,
     /// Where errors have been found already.
     faulty: Vec<Place>,
@@ -161,6 +182,11 @@ impl<'a> Panel<'_, 'a> {
         }
     }
 
+    /// What a parameter is worth with what is set.
+    fn now(&self, target: &Target) -> Now {
+        self.set.get(target.name.as_str()).map_or_else(|| Now::of(target), |replaced| Now::set(replaced))
+    }
+
     /// A slider or a knob.
     fn number(&self, element: &PanelAst, target: &Target, place: &Place) -> Result<Acts, Problem> {
         let now = Now::of(target);
@@ -177,13 +203,17 @@ impl<'a> Panel<'_, 'a> {
         let scale = Scale::of_target(target, quantity);
         let (range, scale) = range::read(self.scope, self.ast, text, at, &scale)?;
         let value = scale.shown(quantity.value);
+        let now = match self.now(target) {
+            Now::Number(quantity) => scale.shown(quantity.value),
+            _ => value,
+        };
         let unit = scale.text().to_owned();
         let warning = (!(range[0]..=range[1]).contains(&value)).then(|| {
             let told = format!("`{}` is {}, which is not within the range", target.name, scale.told(value));
             let help = "widen the range; it ends where the parameter makes no sense any more";
             Problem::warning("panel", told).at(&self.place(at), "does not contain the value").help(help)
         });
-        Ok((PanelAction::Number { range, value, unit }, warning))
+        Ok((PanelAction::Number { range, value, now, unit }, warning))
     }
 
     /// A switch or a button.
@@ -200,7 +230,8 @@ impl<'a> Panel<'_, 'a> {
             (Some(off), Some(on), _) => (off, on),
             (None, None, Now::Truth(is_on)) => {
                 let [off, on] = ["false", "true"].map(str::to_owned);
-                return Ok((PanelAction::Two { off, on, is_on: *is_on }, None));
+                let is_on_now = self.now(target) == Now::Truth(true);
+                return Ok((PanelAction::Two { off, on, is_on: *is_on, is_on_now }, None));
             }
             _ => {
                 let told = format!(
@@ -219,13 +250,13 @@ impl<'a> Panel<'_, 'a> {
             let told = format!("off and on of the {word} are the same");
             return Err(Problem::error("panel", told).at(&self.place(&element.span), "does nothing"));
         }
-        let is_on = on.is(&now);
+        let (is_on, is_on_now) = (on.is(&now), on.is(&self.now(target)));
         let warning = (!is_on && !off.is(&now)).then(|| {
             let told = format!("`{}` is {}, neither off nor on", target.name, now.described(target));
             let help = format!("the {word} is shown as off until it is used");
             Problem::warning("panel", told).at(place, "").help(help)
         });
-        Ok((PanelAction::Two { off: off.text, on: on.text, is_on }, warning))
+        Ok((PanelAction::Two { off: off.text, on: on.text, is_on, is_on_now }, warning))
     }
 
     /// A gauge or a lamp; nothing as long as signals are not known.

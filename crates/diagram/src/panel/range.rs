@@ -14,6 +14,9 @@ use crate::scope::{Scope, noted};
 use crate::targets::Target;
 use blocksim_syntax::{Node, Shape};
 
+/// Decibels by which a ratio changes when it grows by all of itself, for small changes: 20 / ln 10.
+const DECIBELS: f64 = 8.7;
+
 /// What values of a range are counted in.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Scale {
@@ -67,8 +70,8 @@ impl Scale {
     /// A value in SI as it is counted.
     pub fn shown(&self, value: f64) -> f64 {
         match self {
-            Scale::In(unit) => without_dust(unit.from_si(value)),
-            Scale::Decibels => without_dust(20.0 * value.log10()),
+            Scale::In(unit) => without_dust(unit.from_si(value), unit.offset / unit.scale),
+            Scale::Decibels => without_dust(20.0 * value.log10(), DECIBELS),
             Scale::Bare(_) | Scale::Unclear(..) => value,
         }
     }
@@ -93,9 +96,15 @@ impl Scale {
     }
 }
 
-/// What a conversion has added behind the last digits.
-fn without_dust(value: f64) -> f64 {
-    format!("{value:.14e}").parse().unwrap_or(value)
+/// A value without what its conversion has added behind the last digits; `beside` is of the size of what was added on the way, such as
+/// the 273.15 of a temperature.
+fn without_dust(value: f64, beside: f64) -> f64 {
+    let exponent = |x: f64| x.abs().log10().floor();
+    let digits = 14.0 + exponent(value) - exponent(value.abs().max(beside.abs()));
+    if value == 0.0 || !digits.is_finite() {
+        return value;
+    }
+    if digits < 0.0 { 0.0 } else { format!("{value:.*e}", digits as usize).parse().unwrap_or(value) }
 }
 
 /// An end of a range.

@@ -7,6 +7,7 @@ use blocksim_signal::{Lookup, Quantity, Scope as Names, Unit, Value, evaluate};
 
 use super::range::Scale;
 use crate::ast::Ast;
+use crate::overrides::Replaced;
 use crate::scope::{Scope, noted};
 use crate::targets::{Spelling, Target};
 use blocksim_syntax::{Node, Shape};
@@ -39,6 +40,15 @@ impl Now {
                 Err(_) if target.spelling == Spelling::Word => Now::Word(target.written.clone()),
                 Err(_) => Now::Other(format!("`{}`", target.written)),
             },
+        }
+    }
+
+    /// Of what was set in its place.
+    pub fn set(replaced: &Replaced) -> Now {
+        match &replaced.worth {
+            Some(Value::Number(quantity)) => Now::Number(*quantity),
+            Some(Value::Bool(value)) => Now::Truth(*value),
+            _ => Now::Word(replaced.written.clone()),
         }
     }
 

@@ -95,6 +95,7 @@ impl<'a> Resolver<'a> {
         match replacing.meaning(&new, old) {
             Ok(meant) => {
                 over.meant.replace(meant.text);
+                over.worth.replace(worth(replacing, &meant.node));
                 meant.node
             }
             Err(problem) => {
@@ -208,6 +209,7 @@ impl<'a> Resolver<'a> {
                 (Evaluation { scope, file: over.file, stack: &stack }.value(&meant.node)?, meant.node)
             }
         };
+        over.worth.replace(single(&new).then(|| new.clone()));
         replace(&mut value, &names[1..], new).map_err(fail)?;
         Ok((value, node))
     }
@@ -235,6 +237,18 @@ impl<'a> Resolver<'a> {
             )),
         }
     }
+}
+
+/// What a new value is worth, where it is one value.
+fn worth(replacing: &Replacing, node: &Node) -> Option<Value> {
+    let (Shape::Number(_) | Shape::Bool(_) | Shape::Text(_)) = node.value else { return None };
+    let stack = Vec::new();
+    let evaluation = Evaluation { scope: replacing.scope, file: replacing.file, stack: &stack };
+    evaluation.value(node).ok().filter(single)
+}
+
+fn single(value: &Value) -> bool {
+    matches!(value, Value::Number(_) | Value::Bool(_))
 }
 
 /// Replaces or adds a member.

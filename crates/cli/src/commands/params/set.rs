@@ -32,6 +32,11 @@ pub struct Edit {
 }
 
 impl Edit {
+    /// What is written there yet.
+    pub fn written(&self) -> &str {
+        &self.written
+    }
+
     /// What is done, in a line.
     pub fn told(&self) -> String {
         let Edit { path, name, written, value, .. } = self;

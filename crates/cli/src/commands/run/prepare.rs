@@ -55,7 +55,7 @@ pub fn prepare(args: &RunArgs, console: Console) -> Result<(Setup, Simulation), 
     let poses = loaded.scene().map(Scene::signals).unwrap_or_default();
     let selection = select(&schedule.recorded, &args.signals, &poses, &schedule.settings)?;
     if args.live.is_none() {
-        Tuner::new(args, &loaded.on_disk).foresee(&schedule, &args.change)?;
+        Tuner::new(args, &loaded).foresee(&schedule, &args.change)?;
     }
     interrupt::take_over();
     let started = SystemTime::now();

@@ -76,7 +76,7 @@ pub struct Simulated {
 /// If nothing can be recorded or kept.
 pub fn simulate(args: &RunArgs, mut setup: Setup, mut simulation: Simulation, console: Console) -> Outcome {
     let recorder = Mutex::new(Some(begin(args, &mut setup, console)?));
-    let mut tuner = Tuner::new(args, &setup.loaded.on_disk);
+    let mut tuner = Tuner::new(args, &setup.loaded);
     let setup = Mutex::new(Some(setup));
     let began = Began::of(&simulation);
     let keep = |death: &Death| keep_dead(args, &recorder, &setup, began.clone(), death, console);

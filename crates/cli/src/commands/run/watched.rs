@@ -35,14 +35,14 @@ pub fn watch(
 ) -> Outcome {
     let recorder = Mutex::new(Some(begin(args, &mut setup, console)?));
     let texts = setup.loaded.on_disk.clone();
-    let mut tuner = Tuner::new(args, &texts);
+    let mut tuner = Tuner::new(args, &setup.loaded);
     let items = setup.loaded.compiled.panel.clone();
     let mechanism = Mechanism::of(args, &setup.loaded, &setup.schedule);
     let began = Began::of(&simulation);
     let schedule = setup.schedule.clone();
     let setup = Mutex::new(Some(setup));
     let planned = Planned::new(&args.change);
-    let pace = (speed, args.catch_up.unwrap_or(0.0));
+    let pace = (speed, args.paused, args.catch_up);
     let mut live = Live::begin(Shared(&recorder), &schedule, (&items, &mechanism), planned, pace, console);
     for futures in 2.. {
         let keep = |death: &Death| keep_dead(args, &recorder, &setup, began.clone(), death, console);
@@ -69,9 +69,9 @@ pub fn watch(
         let back = live
             .go_back(t)
             .map_err(|error| Failure::of(Exit::Failed, vec![failure(&error, &schedule)], texts.clone()))?;
-        let Some((past, set)) = back else { return Ok(exit) };
+        let Some((past, setting)) = back else { return Ok(exit) };
         simulation = past;
-        tuner.go_back(set);
+        tuner.go_back(setting);
     }
     Ok(Exit::Done)
 }

@@ -204,6 +204,7 @@ impl Studio {
             "edit": self.may_edit,
             "models": now.models.iter().map(|model| model.display().to_string()).collect::<Vec<_>>(),
             "model": now.model.display().to_string(),
+            "path": place(&self.root, &now.model).display().to_string(),
             "title": now.shown.title,
             "version": now.shown.version,
             "until": now.shown.until,
@@ -244,8 +245,7 @@ impl Studio {
             return Reply::Data(json!({ "message": told, "name": name }));
         }
         let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
-        let set = json!({ "target": "move", "value": format!("File({name:?})") });
-        match changes.set(&model, &set, self.console) {
+        match changes.replace(&model, ("move", &format!("File({name:?})")), None, self.console) {
             Reply::Data(mut done) => {
                 done["name"] = name.into();
                 Reply::Data(done)

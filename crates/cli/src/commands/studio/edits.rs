@@ -225,7 +225,8 @@ fn choose(model: &Path, body: &Value, changes: &mut Changes, console: Console) -
             "an expression chooses here: change it in the text",
         );
     };
-    changes.set(model, &json!({ "target": target, "value": value }), console)
+    // That the model is still the one that was seen is known by its version.
+    changes.replace(model, (&target, value), None, console)
 }
 
 /// Kinds that some words are about; all of them, by category, without any.

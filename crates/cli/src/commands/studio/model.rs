@@ -187,6 +187,8 @@ pub fn read(root: &Path, file: &Path, version: u64) -> Shown {
     let paths = |panel: &blocksim_report::Panel| -> Vec<String> {
         panel.series.iter().map(|series| series.path.clone()).collect()
     };
+    // As runs name it.
+    drawn["model"] = args.model.display().to_string().into();
     drawn["panels"] = report.panels.iter().map(paths).collect();
     drawn["style"] = report.diagram.style.clone().into();
     shown.drawn = drawn.to_string().into();

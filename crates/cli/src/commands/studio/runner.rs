@@ -41,8 +41,12 @@ struct Now {
     begins_paused: bool,
     /// Counts what was started, as one that has been left may still speak.
     number: u64,
-    /// What was set in it, and when, as `--change` takes it.
+    /// Time up to which its rows, or those of the run that it repeats, have been seen, s.
+    reached: f64,
+    /// What was set in it, and when, as `--change` takes it. What it repeats of another run stands there from its start on.
     changes: Vec<(f64, String)>,
+    /// How many of them it has made.
+    made: usize,
     /// Its pictures, and rows for those who come late.
     scopes: Option<String>,
     /// What is seen of its mechanism; null without. Meshes are read when a page asks for them.
@@ -63,7 +67,9 @@ impl Runner {
             is_over: false,
             begins_paused: false,
             number: 0,
+            reached: 0.0,
             changes: Vec::new(),
+            made: 0,
             scopes: None,
             scene: Value::Null,
             space: None,
@@ -128,12 +134,7 @@ impl Runner {
         Reply::Text(space)
     }
 
-    /// Changes the state and tells it.
-    fn tell(&self, change: impl FnOnce(&mut Value)) {
-        self.change(&mut self.now(), change);
-    }
-
-    /// The same with the state at hand. States are counted, since one that was asked for may arrive behind a newer one.
+    /// Changes the state and tells it. States are counted, since one that was asked for may arrive behind a newer one.
     fn change(&self, now: &mut Now, change: impl FnOnce(&mut Value)) {
         let count = now.state["count"].as_u64().unwrap_or(0) + 1;
         change(&mut now.state);
@@ -159,7 +160,8 @@ impl Runner {
         };
         let speed = body["speed"].as_f64().filter(|speed| speed.is_finite() && *speed >= 0.0).unwrap_or(0.0);
         command.arg("run").arg(model).args(["--json", "--live", &speed.to_string()]);
-        let was_paused = is_again && now.state["state"] == "paused";
+        // One that has not begun yet stands still as soon as it does, if that was its task.
+        let was_paused = is_again && (now.state["state"] == "paused" || now.begins_paused);
         let sets = if is_again { now.state["set"].clone() } else { body["set"].clone() };
         let texts = |list: &Value| -> Vec<String> {
             let all = list.as_array().into_iter().flatten().filter_map(Value::as_str);
@@ -170,8 +172,12 @@ impl Runner {
         command.args(records.iter().flat_map(|signal| ["--record", signal]));
         if is_again {
             command.args(now.changes.iter().flat_map(|(_, change)| ["--change", change]));
-            if let Some(t) = now.state["t"].as_f64().filter(|t| *t > 0.0) {
-                command.args(["--catch-up", &format!("{t}s")]);
+            if now.reached > 0.0 {
+                command.args(["--catch-up", &format!("{}s", now.reached)]);
+            }
+            // A line on its input might come behind the time at which it is to stand.
+            if was_paused {
+                command.arg("--paused");
             }
         }
         let started = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
@@ -182,20 +188,21 @@ impl Runner {
         let Some(out) = child.stdout.take() else { return Reply::refused("the run cannot be heard", "") };
         // The one before ends where its input does.
         now.input = child.stdin.take();
-        if was_paused {
-            let _ = now.input.as_mut().map(|input| writeln!(input, "{}", json!({ "do": "pause" })));
-        }
         (now.scopes, now.bytes, now.is_over) = (None, 0, false);
         (now.scene, now.space) = (Value::Null, None);
         now.rows.clear();
-        now.changes.clear();
+        if !is_again {
+            now.reached = 0.0;
+            now.changes.clear();
+        }
+        now.made = 0;
         now.number += 1;
         now.begins_paused = was_paused;
-        let number = now.number;
+        let (number, changes) = (now.number, now.texts_of_changes());
         self.change(&mut now, |state| {
             *state = json!({
-                "state": "starting", "model": model.display().to_string(), "set": sets, "record": records, "changes": [],
-                "futures": [], "number": number,
+                "state": "starting", "model": model.display().to_string(), "set": sets, "record": records, "changes": changes,
+                "futures": [], "number": number, "standing": if is_again { state["standing"].take() } else { Value::Null },
             });
         });
         drop(now);
@@ -275,11 +282,13 @@ impl Runner {
         if event["refused"].is_null() {
             let t = event["t"].as_f64().unwrap_or(0.0);
             now.changes.retain(|(at, _)| *at < t);
+            (now.made, now.reached) = (now.changes.len(), t);
             now.keep(line);
-            let changes: Vec<String> = now.changes.iter().map(|(_, change)| change.clone()).collect();
+            let changes = now.texts_of_changes();
             self.change(&mut now, |state| {
                 (state["state"], state["t"]) = ("paused".into(), t.into());
                 (state["name"], state["changes"]) = (Value::Null, changes.into());
+                state["standing"] = event["standing"].clone();
             });
         }
         self.news.tell("back", line);
@@ -296,15 +305,21 @@ impl Runner {
                 self.news.tell("scopes", &line);
                 now.scopes = Some(line);
                 let was_paused = std::mem::take(&mut now.begins_paused);
+                let (is_whole, reached) = (now.changes.is_empty(), now.reached);
                 self.change(&mut now, |state| {
                     state["state"] = if was_paused { "paused" } else { "running" }.into();
                     state["until"] = event["until"].clone();
-                    state["t"] = 0.0.into();
+                    // One that repeats another is soon there.
+                    state["t"] = reached.into();
+                    if is_whole {
+                        state["standing"] = event["standing"].take();
+                    }
                 });
             }
             Some("rows") => {
                 let line = line.trim_end();
                 let mut now = self.now();
+                now.reach(&event["last"]);
                 now.keep(line);
                 self.news.tell("rows", line);
             }
@@ -312,10 +327,13 @@ impl Runner {
                 self.news.tell("tuned", line.trim_end());
                 if let (Some(t), Some(change)) = (event["t"].as_f64(), event["change"].as_str()) {
                     let mut now = self.now();
-                    now.changes.push((t, change.to_owned()));
+                    now.reach(&event["t"]);
+                    let is_whole = now.makes(t, change);
+                    let changes = now.texts_of_changes();
                     self.change(&mut now, |state| {
-                        if let Some(changes) = state["changes"].as_array_mut() {
-                            changes.push(change.into());
+                        state["changes"] = changes.into();
+                        if is_whole {
+                            state["standing"] = event["standing"].clone();
                         }
                     });
                 }
@@ -331,10 +349,14 @@ impl Runner {
                 }
             }
             Some("back") => self.back(line.trim_end(), &event),
-            Some("progress") => self.tell(|state| {
-                state["t"] = event["t"].clone();
-                state["factor"] = event["real_time_factor"].clone();
-            }),
+            Some("progress") => {
+                let mut now = self.now();
+                now.reach(&event["t"]);
+                self.change(&mut now, |state| {
+                    state["t"] = event["t"].clone();
+                    state["factor"] = event["real_time_factor"].clone();
+                });
+            }
             Some("diagnostic") if event["severity"] == "error" && told.problem.is_none() => {
                 let help = event["help"].as_str().map(|help| format!(" ({help})")).unwrap_or_default();
                 told.problem = event["message"].as_str().map(|message| format!("{message}{help}"));
@@ -405,6 +427,27 @@ fn left(state: &mut Value, name: Option<&str>, t: &Value) {
 }
 
 impl Now {
+    /// The run has been seen up to a time.
+    fn reach(&mut self, t: &Value) {
+        self.reached = t.as_f64().map_or(self.reached, |t| t.max(self.reached));
+    }
+
+    /// The run has made a change: the next one of those that it repeats, or a new one. Whether it repeats no more.
+    fn makes(&mut self, t: f64, change: &str) -> bool {
+        let change = (t, change.to_owned());
+        match self.changes.get_mut(self.made) {
+            Some(known) => *known = change,
+            None => self.changes.push(change),
+        }
+        self.made += 1;
+        self.made == self.changes.len()
+    }
+
+    /// What was set in the run, as `--change` takes it.
+    fn texts_of_changes(&self) -> Vec<String> {
+        self.changes.iter().map(|(_, change)| change.clone()).collect()
+    }
+
     /// Keeps a line for those who come late.
     fn keep(&mut self, line: &str) {
         self.bytes += line.len();
@@ -423,4 +466,34 @@ struct Told {
     blocks: Vec<String>,
     /// It is left for one that goes back, so what it says of its end is not the last word.
     is_left: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_repeated_run_has_still_to_make_is_not_forgotten() {
+        let runner = Runner::new(News::default());
+        let mut now = runner.now();
+        assert!(now.makes(1.0, "a") && now.makes(2.0, "b"));
+        // Repeated twice, and the first time it has come behind the first of them alone.
+        for makes in [1, 2] {
+            now.made = 0;
+            let whole: Vec<bool> = [(1.0, "a"), (2.0, "b")]
+                .iter()
+                .take(makes)
+                .map(|(t, change)| now.makes(*t, change))
+                .collect();
+            assert_eq!(whole, [false, true][..makes]);
+            assert_eq!(now.texts_of_changes(), ["a", "b"]);
+        }
+        assert!(now.makes(3.0, "c"));
+        assert_eq!(now.texts_of_changes(), ["a", "b", "c"]);
+        // A time that is not known leaves what is.
+        now.reach(&json!(2.5));
+        now.reach(&json!(0.5));
+        now.reach(&Value::Null);
+        assert_eq!(now.reached, 2.5);
+    }
 }

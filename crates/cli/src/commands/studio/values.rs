@@ -116,11 +116,23 @@ pub fn unquoted(text: &str) -> &str {
 }
 
 impl Changes {
-    /// Writes another value of a parameter.
+    /// Writes another value of a parameter, in the place of the one that was seen there.
     pub fn set(&mut self, model: &Path, body: &Value, console: Console) -> Reply {
-        let (Some(target), Some(value)) = (body["target"].as_str(), body["value"].as_str()) else {
-            return Reply::refused("a parameter and its value are needed", "");
+        let texts = ["target", "value", "was"].map(|name| body[name].as_str());
+        let [Some(target), Some(value), Some(was)] = texts else {
+            return Reply::refused("a parameter, its value and the one before are needed", "");
         };
+        self.replace(model, (target, value), Some(was), console)
+    }
+
+    /// Writes another value of a parameter; where one `was` seen there, only if it is there still.
+    pub fn replace(
+        &mut self,
+        model: &Path,
+        (target, value): (&str, &str),
+        was: Option<&str>,
+        console: Console,
+    ) -> Reply {
         // Someone sees how many parts share it, and wants it so.
         let edit = match edit(model, target, value, true, console) {
             Ok(edit) => edit,
@@ -128,6 +140,14 @@ impl Changes {
         };
         if edit.old == edit.new {
             return Reply::Data(json!({ "message": edit.told(), "difference": "" }));
+        }
+        let written = unquoted(edit.written());
+        if let Some(was) = was.filter(|was| *was != written) {
+            return Reply::Refused(json!({
+                "message": format!("`{target}` has been changed by others meanwhile: it is {written}, and was {was}"),
+                "help": format!("what you typed stays; Enter once more writes it in the place of {written}, Esc takes that"),
+                "written": written,
+            }));
         }
         let told = edit.told();
         self.write(edit.path, edit.old, edit.new, &told)

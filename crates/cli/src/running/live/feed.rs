@@ -4,13 +4,14 @@ use std::time::{Duration, Instant};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use blocksim_diagram::PanelItem;
 use blocksim_signal::Unit;
 use serde_json::json;
 
 use super::mechanism::Mechanism;
-use super::panel::Shown;
+use super::panel::{Shown, standing};
 use super::scopes::{Scope, panels_json};
-use crate::running::tuning::{Came, written};
+use crate::running::tuning::{Came, Setting, written};
 use crate::terminal::console::Console;
 
 /// How often rows are told.
@@ -46,7 +47,7 @@ impl Feed {
     /// those of the scopes, and those of the mechanism behind both.
     pub fn begin(
         scopes: &[Scope],
-        shown: &[Shown],
+        (items, shown): (&[PanelItem], &[Shown]),
         mechanism: &Mechanism,
         until: f64,
         console: Console,
@@ -55,7 +56,7 @@ impl Feed {
         let event = json!({
             "v": 1, "type": "scopes", "until": until, "panels": panels_json(scopes), "shown": paths, "joints": mechanism.sources.len(),
             "sets": mechanism.sets.iter().map(|(position, _)| position).collect::<Vec<_>>(),
-            "scene": mechanism.scene, "unseen": mechanism.unseen,
+            "scene": mechanism.scene, "unseen": mechanism.unseen, "standing": standing(items),
         });
         // Whoever does not read on is noticed when the run is told at the end.
         let _ = console.data(&format!("{event}\n"));
@@ -146,13 +147,14 @@ impl Feed {
         self.times.truncate(ROWS / 2);
     }
 
-    /// Tells what came of a parameter that was to change.
-    pub fn tuned(&mut self, t: f64, set: &str, came: Came) {
+    /// Tells what came of a parameter that was to change, and where the panel stands now.
+    pub fn tuned(&mut self, t: f64, set: &str, came: Came, panel: &[PanelItem]) {
         self.tell();
         let event = match came {
             Ok(without_effect) => {
                 json!({
                     "v": 1, "type": "tuned", "t": t, "set": set, "without_effect": without_effect, "change": written(t, set),
+                    "standing": standing(panel),
                 })
             }
             Err((message, help)) => {
@@ -169,8 +171,9 @@ impl Feed {
     }
 
     /// Tells that the run stands at a time of its past, with what was set there.
-    pub fn is_back<'r>(&mut self, t: f64, set: &[String], last: impl Iterator<Item = (f64, &'r [f64])>) {
-        self.say(&json!({ "v": 1, "type": "back", "t": t, "set": set }));
+    pub fn is_back<'r>(&mut self, t: f64, setting: &Setting, last: impl Iterator<Item = (f64, &'r [f64])>) {
+        let standing = standing(&setting.panel);
+        self.say(&json!({ "v": 1, "type": "back", "t": t, "set": setting.set, "standing": standing }));
         last.for_each(|(t, values)| self.take(t, values));
         self.tell();
     }
@@ -193,9 +196,10 @@ impl Feed {
             return;
         }
         let bytes: Vec<u8> = self.times.iter().flat_map(|t| t.to_le_bytes()).collect();
-        let times = STANDARD.encode(bytes);
+        let (times, last) = (STANDARD.encode(bytes), self.times.last());
         let bytes: Vec<u8> = self.values.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
-        let event = json!({ "v": 1, "type": "rows", "t": times, "values": STANDARD.encode(bytes) });
+        let event =
+            json!({ "v": 1, "type": "rows", "last": last, "t": times, "values": STANDARD.encode(bytes) });
         let _ = self.console.data(&format!("{event}\n"));
         self.times.clear();
         self.values.iter_mut().for_each(Vec::clear);

@@ -7,7 +7,7 @@ use blocksim_block::schedule::Schedule;
 use blocksim_recording::EventRow;
 use blocksim_sim::{Counts, Observer, SimError, Simulation, Snapshot};
 
-use crate::running::tuning::When;
+use crate::running::tuning::{Setting, When};
 
 /// Numbers of rows that are kept, 256 MB; a run with more of them cannot go back.
 const ROOM: usize = 32 << 20;
@@ -41,8 +41,7 @@ struct Moment {
     snapshot: Snapshot,
     schedule: Arc<Schedule>,
     counts: Counts,
-    /// What was set, from the start on.
-    set: Vec<String>,
+    setting: Setting,
     rows: usize,
     events: usize,
     changes: usize,
@@ -58,8 +57,8 @@ struct Again {
 pub struct Back {
     /// It.
     pub simulation: Simulation,
-    /// What was set until then, from the start on.
-    pub set: Vec<String>,
+    /// What was set until then.
+    pub setting: Setting,
     /// What is to be set from there on to come to the time that was asked for.
     pub changes: Vec<(When, String)>,
     /// What was planned before the run, and lies ahead again.
@@ -88,7 +87,7 @@ impl History {
     }
 
     /// Takes a snapshot, if it is time for one.
-    pub fn remember(&mut self, simulation: &Simulation, set: &[String]) {
+    pub fn remember(&mut self, simulation: &Simulation, setting: &Setting) {
         if !self.is_due() || self.moments.last().is_some_and(|last| last.snapshot.time() >= simulation.time())
         {
             return;
@@ -105,7 +104,7 @@ impl History {
             snapshot: simulation.snapshot(),
             schedule: simulation.shared_schedule(),
             counts: simulation.counts(),
-            set: set.to_vec(),
+            setting: setting.clone(),
             rows: self.rows.len(),
             events: self.events.len(),
             changes: self.changes.len(),
@@ -180,7 +179,7 @@ impl History {
             return Ok(None);
         };
         let simulation = Simulation::resume(Arc::clone(&moment.schedule), &moment.snapshot, moment.counts)?;
-        let set = moment.set.clone();
+        let setting = moment.setting.clone();
         // What was set at the time itself belongs to the future that is left.
         let later = self.changes.split_off(moment.changes);
         let is_before = |change: &&(When, String)| change.0.time() < t;
@@ -191,7 +190,7 @@ impl History {
         self.events.truncate(moment.events);
         self.moments.truncate(count);
         self.taken = Instant::now();
-        Ok(Some(Back { simulation, set, changes, planned }))
+        Ok(Some(Back { simulation, setting, changes, planned }))
     }
 
     /// All rows and events, to somebody who has not seen them.

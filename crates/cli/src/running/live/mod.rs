@@ -24,7 +24,7 @@ use self::feed::Feed;
 use self::history::{Back, History};
 use self::mechanism::Mechanism;
 use crate::running::recorder::Shared;
-use crate::running::tuning::{self, Came, Planned, Tunes, When};
+use crate::running::tuning::{self, Came, Planned, Setting, Tunes, When};
 use crate::terminal::console::Console;
 
 /// Hands all to the recorder, and to who looks.
@@ -42,36 +42,41 @@ pub struct Live<'a> {
     until: Option<f64>,
     /// The way there was not as before.
     pub strayed: Option<f64>,
-    /// It does not wait before this time.
-    hurry: f64,
+    /// Another run of the model has come so far: up to there this one neither waits nor does what is wished for.
+    catch_up: Option<f64>,
 }
 
 impl<'a> Live<'a> {
     /// Tells which scopes, which panel and which mechanism there are, and listens to the standard input from now on. `speed` is
-    /// that at first, times real time; before the time behind it the run does not wait.
+    /// that at first, times real time, with whether the run stands still; the time behind it is where another run of the model was, to be caught up with.
     pub fn begin(
         recorder: Shared<'a>,
         schedule: &Schedule,
         (items, mechanism): (&[PanelItem], &Mechanism),
         planned: Planned,
-        (speed, hurry): (f64, f64),
+        (speed, is_paused, catch_up): (f64, bool, Option<f64>),
         console: Console,
     ) -> Live<'a> {
         let scopes = scopes(schedule, items);
         let shown = panel::shown(items, schedule);
-        let feed = Feed::begin(&scopes, &shown, mechanism, schedule.settings.stop_time, console);
+        let feed = Feed::begin(&scopes, (items, &shown), mechanism, schedule.settings.stop_time, console);
         Live {
             recorder,
             feed,
-            control: Control::of_standard_input(speed),
+            control: Control::of_standard_input(speed, is_paused),
             planned,
             history: History::new(schedule.recorded.len()),
             tuning: None,
             leaves: None,
             until: None,
             strayed: None,
-            hurry,
+            catch_up,
         }
+    }
+
+    /// Whether the run is still on its way to where another one was: the rows of that up to there had been shown, it stood behind them.
+    fn hurries(&self, t: f64) -> bool {
+        self.catch_up.is_some_and(|reached| t <= reached)
     }
 
     /// Whether nobody wants the results.
@@ -114,14 +119,16 @@ impl<'a> Live<'a> {
     ///
     /// # Errors
     /// If a simulation cannot be made, which has been made before.
-    pub fn go_back(&mut self, t: f64) -> Result<Option<(Simulation, Vec<String>)>, SimError> {
-        let Some(Back { simulation, set, changes, planned }) = self.history.back(t)? else { return Ok(None) };
+    pub fn go_back(&mut self, t: f64) -> Result<Option<(Simulation, Setting)>, SimError> {
+        let Some(Back { simulation, setting, changes, planned }) = self.history.back(t)? else {
+            return Ok(None);
+        };
         self.planned.add(changes);
         self.planned.add(planned);
-        self.until = Some(t);
+        (self.until, self.catch_up) = (Some(t), None);
         // What was before goes to the recorder of the other future as well.
         self.history.replay(&mut self.recorder);
-        Ok(Some((simulation, set)))
+        Ok(Some((simulation, setting)))
     }
 }
 
@@ -132,7 +139,7 @@ impl Observer for Live<'_> {
         if self.until.is_some() {
             return;
         }
-        if self.tuning.is_none() && t >= self.hurry && self.control.holds(t) {
+        if self.tuning.is_none() && !self.hurries(t) && self.control.holds(t) {
             // Who looks at a run that stands still is to see all that was before.
             self.feed.tell();
             self.control.wait(t, true);
@@ -146,12 +153,15 @@ impl Observer for Live<'_> {
     }
 
     fn is_waiting(&self, t: f64) -> bool {
-        let wished = self.until.map_or_else(|| self.control.has_wishes(), |until| t >= until);
+        let wished = match self.until {
+            Some(until) => t >= until,
+            None => !self.hurries(t) && self.control.has_wishes(),
+        };
         wished || self.planned.is_due(t) || self.history.is_due()
     }
 
     fn progress(&mut self, t: f64, counts: &Counts) -> Answer {
-        if self.until.is_none() && t >= self.hurry {
+        if self.until.is_none() && !self.hurries(t) {
             self.control.wait(t, false);
         }
         self.recorder.progress(t, counts)
@@ -163,7 +173,7 @@ impl Tunes for Live<'_> {
         self.planned.time()
     }
 
-    fn stopped(&mut self, simulation: &Simulation, set: &[String]) {
+    fn stopped(&mut self, simulation: &Simulation, setting: &Setting) {
         let t = simulation.time();
         if self.until.is_some_and(|until| t >= until) {
             self.until = None;
@@ -172,9 +182,9 @@ impl Tunes for Live<'_> {
                 return;
             }
             self.control.pause();
-            self.feed.is_back(t, set, self.history.last());
+            self.feed.is_back(t, setting, self.history.last());
         }
-        self.history.remember(simulation, set);
+        self.history.remember(simulation, setting);
     }
 
     fn goes_back(&self) -> bool {
@@ -190,7 +200,7 @@ impl Tunes for Live<'_> {
             self.tuning = Some(when);
             return Some(set);
         }
-        while self.until.is_none() {
+        while self.until.is_none() && !self.hurries(t) {
             match self.control.wish()? {
                 Wish::Set(set) => {
                     self.tuning = Some(When::After(t));
@@ -211,7 +221,7 @@ impl Tunes for Live<'_> {
         self.leaves.is_none() && self.strayed.is_none()
     }
 
-    fn tuned(&mut self, t: f64, set: &str, came: Came) {
+    fn tuned(&mut self, t: f64, set: &str, came: Came, setting: &Setting) {
         let when = self.tuning.take().unwrap_or(When::After(t));
         if let Ok(without_effect) = &came {
             let (target, what) = tuning::event(set, without_effect);
@@ -219,7 +229,7 @@ impl Tunes for Live<'_> {
             self.history.changed(when, set);
         }
         if self.until.is_none() {
-            self.feed.tuned(t, set, came);
+            self.feed.tuned(t, set, came, &setting.panel);
         }
     }
 }

@@ -35,6 +35,21 @@ pub fn alone(items: &[PanelItem]) -> Vec<&str> {
     items.iter().filter(is_alone).map(|item| item.name.as_str()).collect()
 }
 
+/// What the controls of a panel stand at with what is set. A page whose model has been changed since finds its own by their units and
+/// values.
+pub fn standing(items: &[PanelItem]) -> Value {
+    let data = |item: &PanelItem| match &item.action {
+        PanelAction::Number { now, unit, .. } => {
+            Some(json!({ "name": item.name, "unit": unit, "value": now }))
+        }
+        PanelAction::Two { off, on, is_on_now, .. } => {
+            Some(json!({ "name": item.name, "off": off, "on": on, "isOn": is_on_now }))
+        }
+        PanelAction::Shows { .. } => None,
+    };
+    items.iter().filter_map(data).collect()
+}
+
 /// A panel for the page; signals are those of [`shown`], one after the other.
 pub fn json(items: &[PanelItem], schedule: Option<&Schedule>) -> Value {
     let signals = schedule.map(|schedule| shown(items, schedule)).unwrap_or_default();
@@ -42,11 +57,11 @@ pub fn json(items: &[PanelItem], schedule: Option<&Schedule>) -> Value {
     let data = |item: &PanelItem| {
         let mut data = json!({ "kind": item.word.name(), "name": item.name, "label": item.label });
         match &item.action {
-            PanelAction::Number { range, value, unit } => {
+            PanelAction::Number { range, value, unit, .. } => {
                 (data["range"], data["value"], data["unit"]) = (json!(range), json!(value), json!(unit));
                 data["shown"] = pretty_unit(unit).into();
             }
-            PanelAction::Two { off, on, is_on } => {
+            PanelAction::Two { off, on, is_on, .. } => {
                 (data["off"], data["on"], data["isOn"]) = (json!(off), json!(on), json!(is_on));
             }
             PanelAction::Shows { range, .. } => {

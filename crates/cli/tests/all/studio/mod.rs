@@ -13,6 +13,7 @@ mod plugins;
 mod results;
 mod sequences;
 mod sheets;
+mod standing;
 mod tabs;
 
 use std::fs;

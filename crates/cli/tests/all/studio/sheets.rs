@@ -166,3 +166,64 @@ fn what_is_typed_stays_with_its_model() {
     assert!(told.starts_with("HTTP/1.1 409") && told.contains("is shown now"), "{told}");
     assert_eq!([desk.read("eins/größe.ron"), desk.read("eins/zweite.ron")], [first, second]);
 }
+
+#[test]
+fn what_is_typed_is_neither_left_out_of_a_run_nor_written_over_others_in_silence() {
+    let desk = Desk::with(&[("servo.ron", SERVO)]);
+    let studio = Studio::of(&desk, &["--edit"]);
+    let Some(mut page) = shown(&studio) else { return };
+    let field = "document.querySelector('#values-view input[aria-label=\"gain.k\"]')";
+    let answer = "document.querySelector('#values-view .answer[data-target=\"gain.k\"]').textContent";
+    let warning = "document.querySelector('#run-bar .warning')";
+    let runs = |page: &mut super::Page, typed: &str| {
+        page.key("F5");
+        page.until(&format!("[...{warning}.querySelectorAll('li')].map((one) => one.textContent.split(',')[0]).join() === '{typed}'"));
+        page.until("document.querySelector('.run-line').textContent.includes('2 s simulated')");
+        assert_eq!(page.value(&format!("{warning}.hidden")), typed.is_empty());
+    };
+    runs(&mut page, "");
+    // A text that is not saved, and a value that is not written.
+    page.value("location.hash = '#diagram'");
+    page.until("document.querySelectorAll('#diagram-view [data-node]').length === 5");
+    page.value("R.Text.toggle()");
+    page.until("document.querySelector('.text-pane textarea')?.value.includes('6 1/s')");
+    page.value("document.querySelector('.text-pane textarea').focus()");
+    page.replace(&SERVO.replace("0.5 s", "0.7 s"));
+    page.until("R.Text.dirty().join() === 'servo.ron'");
+    page.value("location.hash = '#values'");
+    page.until(field);
+    page.value(&format!("{field}.focus()"));
+    page.replace("20 1/s");
+    runs(&mut page, "the text of servo.ron,gain.k = 20 1/s");
+    // Repeated for one more signal it is the same run.
+    page.value("R.record('gain.y')");
+    page.until("[...document.querySelectorAll('#plots .entry')].some((one) => one.title === 'gain.y') && !document.getElementById('start').disabled");
+    assert_eq!(page.value(&format!("{warning}.hidden")), false);
+    page.value("document.activeElement.blur()");
+    page.value("[...document.querySelectorAll('.text-bar button')].find((one) => one.textContent === 'Discard').click()");
+    page.value("location.hash = '#values'");
+    page.until(field);
+    page.value(&format!("[...{field}.closest('td').querySelectorAll('button')].find((one) => one.textContent === 'Run with it').click()"));
+    page.until(&format!(
+        "{warning}.hidden && document.querySelector('.run-line').textContent.includes('2 s simulated')"
+    ));
+    // Others write meanwhile: that is shown, and nothing is written over it before it has been refused.
+    let theirs = SERVO.replace("6 1/s", "11 1/min");
+    fs::write(desk.0.join("servo.ron"), &theirs).expect("a file");
+    page.value("location.hash = '#values'");
+    page.until(&format!("{answer}.startsWith('the file has 11 1/min by now; it had 6 1/s')"));
+    page.value(&format!("{field}.focus()"));
+    page.replace("20");
+    page.key("Enter");
+    page.until(&format!(
+        "{answer}.startsWith('`gain.k` has been changed by others meanwhile: it is 11 1/min, and was 6 1/s')"
+    ));
+    assert_eq!(desk.read("servo.ron"), theirs);
+    assert_eq!(page.value(&format!("{field}.value")), "20");
+    page.key("Enter");
+    page.until("document.querySelector('.difference')?.textContent.includes('20 1/min')");
+    assert_eq!(desk.read("servo.ron"), SERVO.replace("6 1/s", "20 1/min"));
+    assert_eq!(page.complaints.len(), 1, "one refusal: {:?}", page.complaints);
+    let set = r#"{"model": "servo.ron", "target": "gain.k", "value": "9 1/s"}"#;
+    assert!(studio.asked("POST", "/api/set", &[], set).contains("the one before"));
+}
