@@ -130,6 +130,9 @@ pub struct RunArgs {
     /// With `--live`: go as fast as it can up to this time, whatever the speed, to where another run of the model was.
     #[arg(long, hide = true, requires = "live", value_name = "TIME", value_parser = moment)]
     pub catch_up: Option<f64>,
+    /// With `--live`: stand still at first, behind the time of `--catch-up` if there is one.
+    #[arg(long, hide = true, requires = "live")]
+    pub paused: bool,
 }
 
 /// `blocksim check`.

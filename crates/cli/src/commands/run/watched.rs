@@ -42,7 +42,7 @@ pub fn watch(
     let schedule = setup.schedule.clone();
     let setup = Mutex::new(Some(setup));
     let planned = Planned::new(&args.change);
-    let pace = (speed, args.catch_up);
+    let pace = (speed, args.paused, args.catch_up);
     let mut live = Live::begin(Shared(&recorder), &schedule, (&items, &mechanism), planned, pace, console);
     for futures in 2.. {
         let keep = |death: &Death| keep_dead(args, &recorder, &setup, began.clone(), death, console);

@@ -175,6 +175,10 @@ impl Runner {
             if now.reached > 0.0 {
                 command.args(["--catch-up", &format!("{}s", now.reached)]);
             }
+            // A line on its input might come behind the time at which it is to stand.
+            if was_paused {
+                command.arg("--paused");
+            }
         }
         let started = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
         let mut child = match started {
@@ -184,9 +188,6 @@ impl Runner {
         let Some(out) = child.stdout.take() else { return Reply::refused("the run cannot be heard", "") };
         // The one before ends where its input does.
         now.input = child.stdin.take();
-        if was_paused {
-            let _ = now.input.as_mut().map(|input| writeln!(input, "{}", json!({ "do": "pause" })));
-        }
         (now.scopes, now.bytes, now.is_over) = (None, 0, false);
         (now.scene, now.space) = (Value::Null, None);
         now.rows.clear();

@@ -63,8 +63,9 @@ impl Control {
     }
 
     /// Listens to lines of the standard input, on a thread of its own.
-    pub fn of_standard_input(speed: f64) -> Arc<Control> {
+    pub fn of_standard_input(speed: f64, is_paused: bool) -> Arc<Control> {
         let control = Arc::new(Control::new(speed));
+        control.paused.store(is_paused, Ordering::Relaxed);
         let told = Arc::clone(&control);
         std::thread::spawn(move || {
             for line in std::io::stdin().lock().lines() {

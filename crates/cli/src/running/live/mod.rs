@@ -48,13 +48,14 @@ pub struct Live<'a> {
 
 impl<'a> Live<'a> {
     /// Tells which scopes, which panel and which mechanism there are, and listens to the standard input from now on. `speed` is
-    /// that at first, times real time; the time behind it is where another run of the model was, to be caught up with.
+    /// that at first, times real time, with whether the run stands still; the time behind both is where another run of the model was, to
+    /// be caught up with.
     pub fn begin(
         recorder: Shared<'a>,
         schedule: &Schedule,
         (items, mechanism): (&[PanelItem], &Mechanism),
         planned: Planned,
-        (speed, catch_up): (f64, Option<f64>),
+        (speed, is_paused, catch_up): (f64, bool, Option<f64>),
         console: Console,
     ) -> Live<'a> {
         let scopes = scopes(schedule, items);
@@ -63,7 +64,7 @@ impl<'a> Live<'a> {
         Live {
             recorder,
             feed,
-            control: Control::of_standard_input(speed),
+            control: Control::of_standard_input(speed, is_paused),
             planned,
             history: History::new(schedule.recorded.len()),
             tuning: None,
