@@ -34,7 +34,7 @@ fn item(element: &str) -> PanelItem {
 }
 
 fn number(element: &str) -> ([f64; 2], f64, String) {
-    let PanelAction::Number { range, value, unit } = item(element).action else { panic!("{element}") };
+    let PanelAction::Number { range, value, unit, .. } = item(element).action else { panic!("{element}") };
     (range, value, unit)
 }
 
@@ -67,7 +67,7 @@ fn a_range_is_in_the_unit_that_is_written() {
 #[test]
 fn switches_and_buttons_have_two_values() {
     let two = |element: &str| match item(element).action {
-        PanelAction::Two { off, on, is_on } => (off, on, is_on),
+        PanelAction::Two { off, on, is_on, .. } => (off, on, is_on),
         other => panic!("{other:?}"),
     };
     let texts = |off: &str, on: &str, is_on| (off.to_owned(), on.to_owned(), is_on);

@@ -48,7 +48,8 @@ pub struct Live<'a> {
 
 impl<'a> Live<'a> {
     /// Tells which scopes, which panel and which mechanism there are, and listens to the standard input from now on. `speed` is
-    /// that at first, times real time, with whether the run stands still; the time behind it is where another run of the model was, to be caught up with.
+    /// that at first, times real time, with whether the run stands still; the time behind both is where another run of the model was, to
+    /// be caught up with.
     pub fn begin(
         recorder: Shared<'a>,
         schedule: &Schedule,
