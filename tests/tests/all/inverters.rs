@@ -1,6 +1,6 @@
 //! Machines behind inverters: with every edge, separately integrated, averaged.
 
-use blocksim_tests::{Run, run_text};
+use blocksim_tests::{Run, compile_text, run, run_text};
 
 /// The reference machine (15 kVA, 220 V, 60 Hz, one pole pair, delta) at a prescribed speed behind an inverter with
 /// a link of 400 V.
@@ -192,6 +192,52 @@ fn parts_of_a_separate_circuit_show_the_currents_and_fluxes_of_the_instant() {
             }
         }
     }
+}
+
+/// A coil in series with an open switch lets go of its current within microseconds, far faster than a step of the integrator from edge to edge:
+/// steps follow that, or the run ends with the reason. Without, the current went up to 1e103 A, and the warning was one about the speed.
+#[test]
+fn what_is_fast_in_a_separate_circuit_is_integrated_in_short_steps() {
+    let text = |integration: &str, g: &str| {
+        format!(
+            r#"Diagram(
+  simulation: (stop_time: "40 ms", solver: Ode45(rtol: 1e-7), output: Every("2 ms")),
+  blocks: {{
+    "inv": SwitchedInverter(vdc: "300 V", switching_frequency: "2 kHz", integration: {integration}),
+    "v": Constant(value: "120 V"), "f": Constant(value: "40 Hz"), "sp": PhaseSplitter, "g": ElectricalReference, "rc": Resistor(r: "300 ohm"),
+    "pm": PermanentMagnetMachine(pole_pairs: 2, r_s: "0.6 ohm", l_d: "3.4 mH", l_q: "5.8 mH", flux: "0.12 Wb"),
+    "j": Inertia(j: "5e-3 kg*m^2"), "d": RotationalDamper(d: "0.01 N*m*s/rad"), "h": RotationalReference, "m": MotionSensor,
+    "sw": IdealSwitch(g_off: {g}), "on": Constant(value: false), "rw": Resistor(r: "10 ohm"), "lw": Inductor(l: "5 mH"),
+    "s": Scope(inputs: ["i", "w"]),
+  }},
+  connections: [
+    "v.y -> inv.v", "f.y -> inv.f", "inv.ac <-> pm.ac <-> sp.ac", "pm.r <-> j.r <-> d.r <-> m.r", "pm.c <-> d.c <-> h.r <-> m.c", "m.w -> s.w",
+    "sp.c <-> rc.p", "rc.n <-> g.p", "sp.a <-> sw.p", "sw.n <-> rw.p", "rw.n <-> lw.p", "lw.n <-> sp.b", "on.y -> sw.gate", "lw.i -> s.i",
+  ],
+)"#
+        )
+    };
+    for g in ["\"10 mS\"", "\"1 mS\"", "\"0.1 mS\""] {
+        let together = run_text(&text("Together", g));
+        for periods in [1, 4] {
+            let run = run_text(&text(&format!("Separate(periods: {periods})"), g));
+            let at = |run: &Run, name: &str, t: f64| {
+                let row = run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row");
+                run.column(name)[row]
+            };
+            let size = together.column("s.i").iter().fold(0.0_f64, |most, i| most.max(i.abs()));
+            for t in (1..5).map(|k| 8e-3 * f64::from(k)) {
+                let [(i, i_0), (w, w_0)] =
+                    ["s.i", "s.w"].map(|name| (at(&run, name, t), at(&together, name, t)));
+                assert!((i - i_0).abs() < 2e-3 * size, "{g} {periods} at {t} s: {i} A, not {i_0} A");
+                assert!((w - w_0).abs() < 1e-4, "{g} {periods} at {t} s: {w} rad/s, not {w_0} rad/s");
+            }
+        }
+    }
+    let (compiled, problems) = compile_text(&text("Separate(periods: 4)", "\"1 nS\""));
+    let error =
+        run(compiled.schedule.unwrap_or_else(|| panic!("{problems}"))).error.expect("a failure").to_string();
+    assert!(error.contains("too fast for `integration: Separate`"), "{error}");
 }
 
 /// Instants at which a carrier begins say nothing of voltages: all legs are low.

@@ -9,7 +9,7 @@
 //! are predicted with an error of `H^3`, and torques are wrong by as much. The mechanics gets a torque that is a straight line over
 //! the step, with the mean of the true one, and rises as the means do from step to step. What it leaves out is the ripple of the
 //! valves, whose moment is an error of the angle of order two; the line of its own moment would put it into every reading of a
-//! torque. Between edges Runge-Kutta of order four is used.
+//! torque. Between edges Runge-Kutta of order four is used, in steps that are short against what is fastest in the circuit.
 //!
 //! Inputs go on as they did in the last steps, see `inputs.rs`, and where they do not, see `repeat.rs`. Outputs that need voltages show means over the step, since an instant of a
 //! circuit that switches says little; readings of currents and states show its beginning.
@@ -20,6 +20,8 @@
 //! parts, each with the speeds as the mechanics has made them by then. Torques and the slopes of loads have no jumps at edges, so
 //! that the parts need not know of these. The line of a part has the moment of the torque besides its impulse, because the ripple is
 //! then what is wanted. Means for those who look are of whole coupling steps as ever, known when the last part is.
+
+use std::ops::Range;
 
 use blocksim_block::Context;
 use blocksim_block::physical::Torque;
@@ -42,6 +44,13 @@ const FIRST_PARTS: f64 = 16.0;
 /// What part of a coupling step is an instant; and what part of the time since the start, which is long against it.
 const INSTANT: f64 = 1e-9;
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// By what part of itself the fastest part of a circuit may change in a step of the integrator; beyond 2.8 the steps would be unstable.
+const FAST: f64 = 1.0;
+/// Changes of states within a step below this part of them say nothing of how fast they are.
+const SLIGHT: f64 = 1e-9;
+/// Steps of the integrator from edge to edge, at most.
+const MOST_STEPS: f64 = 1e4;
 
 /// Every so many coupling steps the error is estimated, and in the first ones always, where a drive starts.
 const EVERY: f64 = 16.0;
@@ -305,6 +314,7 @@ impl Network {
         room.moment.resize(self.rotation.branches.len(), 0.0);
         room.kick.clear();
         room.kick.resize(self.rotation.branches.len(), 0.0);
+        room.pace = 0.0;
         let mut t = c.t;
         self.expect(separate, 0.0, c, w, room);
         self.circuit(separate.island, &Context { t, d: &room.d, u: &room.u, ..*c }, w)?;
@@ -312,19 +322,8 @@ impl Network {
             let next = self.switch(separate, t, c, w, room)?;
             // An edge at the end belongs to the next step, with the inputs of that.
             let until = if next < end - instant(step, end) { next } else { end };
-            let fine = if room.tries { 2.0 } else { 1.0 };
-            let steps = fine * ((until - t) / step * least).ceil().max(1.0);
-            let h = (until - t) / steps;
-            self.average(separate, 0.5 * h, w, room);
-            for i in 0..steps as usize {
-                let from = t + i as f64 * h;
-                self.runge_kutta(separate, from, h, c, w, room)?;
-                self.kick(from + h - c.t, room);
-                self.expect(separate, from + h - c.t, c, w, room);
-                let here = Context { t: from + h, d: &room.d, u: &room.u, ..*c };
-                self.circuit(separate.island, &here, w)?;
-                self.average(separate, if i + 1 == steps as usize { 0.5 * h } else { h }, w, room);
-            }
+            let steps = ((until - t) / step * least).ceil().max(1.0);
+            self.pass(separate, t..until, steps, c, w, room)?;
             t = until;
             if t >= end {
                 return Ok(());
@@ -334,6 +333,83 @@ impl Network {
             "more than {CHATTER} edges in a coupling step of {step} s: is the switching frequency right?"
         ));
         Err(Faulty)
+    }
+
+    /// Integrates from one edge to the next in so many steps, or more where the circuit is too fast for them.
+    fn pass(
+        &self,
+        separate: &Separate,
+        way: Range<f64>,
+        steps: f64,
+        c: &Context,
+        w: &mut Work,
+        room: &mut Room,
+    ) -> Result<(), Faulty> {
+        let fine = if room.tries { 2.0 } else { 1.0 };
+        let wanted = |left: f64, pace: f64| fine * (left * pace / FAST).ceil();
+        let mut steps = (fine * steps).max(wanted(way.end - way.start, room.pace));
+        let (mut begin, mut done) = (way.start, 0.0);
+        let mut h = (way.end - begin) / steps;
+        self.average(separate, 0.5 * h, w, room);
+        while done < steps {
+            let from = begin + done * h;
+            if let Some(pace) = self.runge_kutta(separate, from, h, FAST / fine, c, w, room)? {
+                room.pace = room.pace.max(pace);
+                let left = way.end - from;
+                steps = wanted(left, pace).max(steps - done + 1.0);
+                if steps > MOST_STEPS {
+                    c.fail(self.too_fast(separate, from, pace));
+                    return Err(Faulty);
+                }
+                self.expect(separate, from - c.t, c, w, room);
+                self.circuit(separate.island, &Context { t: from, d: &room.d, u: &room.u, ..*c }, w)?;
+                // This point has had the weight of the longer step.
+                self.average(separate, 0.5 * (left / steps - h), w, room);
+                (begin, done, h) = (from, 0.0, left / steps);
+                continue;
+            }
+            done += 1.0;
+            self.kick(from + h - c.t, room);
+            self.expect(separate, from + h - c.t, c, w, room);
+            let here = Context { t: from + h, d: &room.d, u: &room.u, ..*c };
+            self.circuit(separate.island, &here, w)?;
+            self.average(separate, if done == steps { 0.5 * h } else { h }, w, room);
+        }
+        Ok(())
+    }
+
+    fn too_fast(&self, separate: &Separate, t: f64, pace: f64) -> String {
+        let mut seats = separate.members.iter().map(|i| &self.seats[*i]);
+        let path =
+            seats.find(|seat| seat.member.part.separate.is_some()).map_or("", |seat| &*seat.member.path);
+        format!(
+            "at {t} s something in the circuit of `{path}` changes within {:.0e} s, which is too fast for `integration: Separate`: write \
+             `integration: Together`, or make slower what is so fast, such as a coil in series with an open switch of small `g_off`",
+            1.0 / pace
+        )
+    }
+
+    /// How fast the circuit changes, 1/s, by the first three slopes of a step of this length: how much slopes differ where states do, each
+    /// against the size of the states of its member (L. F. Shampine, K. L. Hiebert, *Detecting stiffness with the Fehlberg (4, 5) formulas*,
+    /// 1977).
+    fn pace(&self, separate: &Separate, h: f64, room: &Room) -> f64 {
+        let (mut bend, mut turn) = (0.0, 0.0);
+        let mut next = 0;
+        for seat in separate.members.iter().map(|i| &self.seats[*i]) {
+            let own = next..next + seat.x.len();
+            next = own.end;
+            let moved = |i: usize| room.start[i].abs().max(h * room.first[i].abs());
+            let size = own.clone().map(moved).fold(0.0, f64::max);
+            if size == 0.0 {
+                continue;
+            }
+            for i in own {
+                bend += ((room.second[i] - room.first[i]) / size).powi(2);
+                turn += ((room.slope[i] - room.second[i]) / size).powi(2);
+            }
+        }
+        let moved = 0.5 * h * bend.sqrt();
+        if moved > SLIGHT { turn.sqrt() / moved } else { 0.0 }
     }
 
     /// Lets the members of a circuit, which is known, change at an instant; returns the next instant at which one does.
@@ -386,16 +462,17 @@ impl Network {
     }
 
     /// One step of the classical method of order four; torques are averaged with the weights of Simpson's rule, which
-    /// are its own.
+    /// are its own. Where the circuit changes by more than the part `most` of itself, all is left as it was; returned is how fast it is then.
     fn runge_kutta(
         &self,
         separate: &Separate,
         t: f64,
         h: f64,
+        most: f64,
         c: &Context,
         w: &mut Work,
         room: &mut Room,
-    ) -> Result<(), Faulty> {
+    ) -> Result<Option<f64>, Faulty> {
         let states = || separate.members.iter().map(|i| self.seats[*i].x.clone());
         room.start.clear();
         states().for_each(|x| room.start.extend_from_slice(&room.d[x]));
@@ -405,7 +482,10 @@ impl Network {
         room.slope.resize(room.start.len(), 0.0);
         room.gained.clear();
         room.gained.resize(self.rotation.branches.len(), 0.0);
-        for (part, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+        copy(&mut room.moment_before, &room.moment);
+        for (stage, (part, weight)) in
+            [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)].into_iter().enumerate()
+        {
             let mut i = 0;
             for x in states() {
                 for cell in x {
@@ -416,6 +496,20 @@ impl Network {
             self.kick_within(t - c.t, part * h, room);
             self.expect(separate, t + part * h - c.t, c, w, room);
             self.slopes(separate, t + part * h, c, w, room)?;
+            match stage {
+                0 => copy(&mut room.first, &room.slope),
+                1 => copy(&mut room.second, &room.slope),
+                2 => {
+                    let pace = self.pace(separate, h, room);
+                    if pace * h > most {
+                        let cells = states().flatten();
+                        cells.zip(&room.start).for_each(|(cell, start)| room.d[cell] = *start);
+                        copy(&mut room.moment, &room.moment_before);
+                        return Ok(Some(pace));
+                    }
+                }
+                _ => {}
+            }
             room.sum.iter_mut().zip(&room.slope).for_each(|(sum, slope)| *sum += weight * slope);
             for seat in separate.members.iter().map(|i| &self.seats[*i]) {
                 let middle = t + part * h - c.t - 0.5 * room.step;
@@ -436,7 +530,7 @@ impl Network {
                 i += 1;
             }
         }
-        Ok(())
+        Ok(None)
     }
 
     /// Derivatives and torques at a trial point.

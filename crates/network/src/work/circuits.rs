@@ -155,6 +155,12 @@ pub(crate) struct Room {
     /// Sum of the weighted slopes, and the last slope.
     pub sum: Vec<f64>,
     pub slope: Vec<f64>,
+    /// The first two slopes of a step, which tell with the third how fast the circuit is; and moments at its beginning.
+    pub first: Vec<f64>,
+    pub second: Vec<f64>,
+    pub moment_before: Vec<f64>,
+    /// How fast the circuit has been found to change in the step at hand, 1/s.
+    pub pace: f64,
     /// Speeds and accelerations of all pins at the hit.
     pub speed: Vec<f64>,
     pub acceleration: Vec<f64>,
@@ -216,6 +222,10 @@ impl Room {
             start: room(d),
             sum: room(d),
             slope: room(d),
+            first: room(d),
+            second: room(d),
+            moment_before: room(branches),
+            pace: 0.0,
             speed: room(pins),
             acceleration: room(pins),
             torque: Vec::with_capacity(branches),
