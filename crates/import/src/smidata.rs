@@ -62,7 +62,7 @@ type Group<'a> = BTreeMap<u32, BTreeMap<&'a str, Value<'a>>>;
 /// # Errors
 /// All faults of the file: lines that are no assignment, units that are missing or not known, impossible masses.
 pub fn read(file: &Path, bytes: &[u8]) -> Result<SmiData, Vec<Fault>> {
-    let text = xml::text(file, bytes).map_err(|fault| vec![fault])?;
+    let text = xml::text(file, bytes).map_err(|fault| vec![fault])?.trim_start_matches('\u{feff}');
     let mut faults = Vec::new();
     let mut groups: BTreeMap<&str, Group> = BTreeMap::new();
     for (i, line) in text.lines().enumerate() {
@@ -280,6 +280,13 @@ mod tests {
             JointStart { kind: "RevoluteJoint".into(), coordinates: [None, None, None, Some(FRAC_PI_2)] };
         assert_eq!(data.joints[0].value, start);
         assert_eq!(data.notes, ["left out: smiData.Solver (1 entries)"]);
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_part_of_the_text() {
+        let plain = read(Path::new("a.m"), TORCH.as_bytes()).unwrap();
+        let marked = read(Path::new("a.m"), format!("\u{feff}{TORCH}").as_bytes()).unwrap();
+        assert_eq!(marked.solids, plain.solids);
     }
 
     #[test]

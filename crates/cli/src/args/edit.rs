@@ -132,7 +132,8 @@ pub struct AddArgs {
 /// `blocksim edit wrap`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  blocksim edit wrap servo.ron source motor gear --name drive\n\n\
-                        The results of runs stay the same to the bit. Paths of the blocks change: `--set pid.kp` becomes \
+                        The results of runs stay the same to the bit, but for random numbers, which follow from paths. Paths of the blocks \
+                        change: `--set pid.kp` becomes \
                         `--set drive/pid.kp`.")]
 pub struct WrapArgs {
     /// The model.
