@@ -225,6 +225,8 @@ fn what_is_fast_in_a_separate_circuit_is_integrated_in_short_steps() {
                 let row = run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row");
                 run.column(name)[row]
             };
+            // The speed is right, and no current that outlasts a step is off.
+            assert!(run.warnings.is_empty(), "{g} {periods}: {:?}", run.warnings);
             let size = together.column("s.i").iter().fold(0.0_f64, |most, i| most.max(i.abs()));
             for t in (1..5).map(|k| 8e-3 * f64::from(k)) {
                 let [(i, i_0), (w, w_0)] =

@@ -97,6 +97,7 @@ impl Network {
                 "cubes",
                 "cut",
                 "interrupted",
+                "outlasts",
             ] {
                 let start = interface.discrete.len();
                 interface = interface.discrete(format!("{}.{name}", members[island.members[0]].path), 0.0);

@@ -163,6 +163,7 @@ impl Network {
                 parts = (0.5 * parts).max(d[cells.least]).max(1.0);
             }
             d[cells.need] = 0.0;
+            d[cells.outlasts] = 0.0;
         }
         parts
     }
@@ -206,10 +207,11 @@ impl Network {
         }
     }
 
-    /// The greatest difference between a step and its trial, of a speed and of a state of a member, relative to their size.
-    pub(crate) fn missed_by_step(&self, separate: &Separate, w: &Work, room: &Room, d: &[f64]) -> [f64; 2] {
+    /// The greatest difference between a step and its trial, of a speed, of a state of a member, and of one of a member that gives torques,
+    /// relative to their size.
+    pub(crate) fn missed_by_step(&self, separate: &Separate, w: &Work, room: &Room, d: &[f64]) -> [f64; 3] {
         let branches = room.mean.len();
-        let [mut speed, mut state] = [0.0_f64; 2];
+        let [mut speed, mut state, mut acting] = [0.0_f64; 3];
         for seat in separate.members.iter().map(|i| &self.seats[*i]) {
             let Some(held) = &seat.held else { continue };
             let expected = seat.pins.clone().map(|pin| w.pin_speed[pin].abs());
@@ -222,14 +224,18 @@ impl Network {
             let states = || {
                 seat.x.clone().enumerate().filter(|(k, _)| !part.drifting.contains(k)).map(|(_, cell)| cell)
             };
-            let size = states().fold(0.0, |most: f64, cell| most.max(room.d[cell].abs()));
+            // What is let go of within a step is small at its end, and no measure of itself.
+            let size = states().fold(0.0, |most: f64, cell| most.max(room.largest[cell]));
             let off =
                 states().fold(0.0, |most: f64, cell| most.max((room.trial_d[cell] - room.d[cell]).abs()));
             if size > 0.0 {
                 state = state.max(off / size);
+                if !seat.branches.is_empty() {
+                    acting = acting.max(off / size);
+                }
             }
         }
-        [speed, state]
+        [speed, state, acting]
     }
 
     /// Whether the speeds have come as they were expected in the last step, of which a coupling step has had so many; else there are

@@ -328,7 +328,7 @@ pub(crate) struct Cells {
     pub need: usize,
     /// Parts below which it does not go any more; 0 or 1 while its coupling steps are whole.
     pub least: usize,
-    /// The same as `need`, remembered over the last trials of divided steps, and the greatest of that.
+    /// The same as `outlasts`, remembered over the last trials of divided steps, and the greatest of that.
     pub lasting: usize,
     pub most: usize,
     /// Length of the last coupling step, or part of one, s.
@@ -342,6 +342,8 @@ pub(crate) struct Cells {
     pub cut: usize,
     /// 1 where the step at hand must end because parameters change.
     pub interrupted: usize,
+    /// The same as `need`, of speeds and of the states of what gives torques alone: what others are off by shows in these.
+    pub outlasts: usize,
 }
 
 impl Separate {
@@ -366,7 +368,8 @@ impl Separate {
             cubes,
             cut,
             interrupted,
-        ] = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15].map(|k| self.times + k);
+            outlasts,
+        ] = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16].map(|k| self.times + k);
         Cells {
             parts,
             left,
@@ -382,6 +385,7 @@ impl Separate {
             cubes,
             cut,
             interrupted,
+            outlasts,
         }
     }
 

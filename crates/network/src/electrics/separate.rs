@@ -153,17 +153,19 @@ impl Network {
             }
             self.trial(separate, c, w, room, d)?;
             self.over(separate, c, w, room, d)?;
-            let [speed, state] = self.missed_by_step(separate, w, room, d).map(|error| parts * error);
+            let [speed, state, acting] = self.missed_by_step(separate, w, room, d).map(|error| parts * error);
             if begins && self.threatens(separate, speed, d) {
                 d[cells.least] = d[cells.least].max(2.0);
             }
-            let need = if d[cells.rtol] > 0.0 { speed.max(state) / (ALLOWED * d[cells.rtol]) } else { 0.0 };
+            let over = |error: f64| if d[cells.rtol] > 0.0 { error / (ALLOWED * d[cells.rtol]) } else { 0.0 };
+            let (need, outlasts) = (over(speed.max(state)), over(speed.max(acting)));
             if begins && need > 1.0 && d[cells.least] > 1.0 && parts < MOST_PARTS {
                 parts = more_parts(parts, need);
                 self.forget_means(separate, room);
                 continue;
             }
             d[cells.need] = d[cells.need].max(need);
+            d[cells.outlasts] = d[cells.outlasts].max(outlasts);
             break;
         }
         if begins {
@@ -176,7 +178,7 @@ impl Network {
         // A line through the means of parts would follow the ripple, and one behind a cut what has been owed.
         let own_moment = room.is_part || before > 1.0 || d[cells.cut] > 0.0;
         if tries && d[cells.left] == 0.0 && parts > 1.0 {
-            d[cells.lasting] += LASTS * (d[cells.need] - d[cells.lasting]);
+            d[cells.lasting] += LASTS * (d[cells.outlasts] - d[cells.lasting]);
             d[cells.most] = d[cells.most].max(d[cells.lasting]);
         }
         self.end(separate, own_moment, w, room, d);
@@ -315,6 +317,8 @@ impl Network {
         room.kick.clear();
         room.kick.resize(self.rotation.branches.len(), 0.0);
         room.pace = 0.0;
+        copy(&mut room.largest, &room.d);
+        room.largest.iter_mut().for_each(|size| *size = size.abs());
         let mut t = c.t;
         self.expect(separate, 0.0, c, w, room);
         self.circuit(separate.island, &Context { t, d: &room.d, u: &room.u, ..*c }, w)?;
@@ -369,6 +373,9 @@ impl Network {
                 continue;
             }
             done += 1.0;
+            for cell in separate.members.iter().flat_map(|i| self.seats[*i].x.clone()) {
+                room.largest[cell] = room.largest[cell].max(room.d[cell].abs());
+            }
             self.kick(from + h - c.t, room);
             self.expect(separate, from + h - c.t, c, w, room);
             let here = Context { t: from + h, d: &room.d, u: &room.u, ..*c };

@@ -161,6 +161,8 @@ pub(crate) struct Room {
     pub moment_before: Vec<f64>,
     /// How fast the circuit has been found to change in the step at hand, 1/s.
     pub pace: f64,
+    /// How large each state has become in it, where it lies in `d`.
+    pub largest: Vec<f64>,
     /// Speeds and accelerations of all pins at the hit.
     pub speed: Vec<f64>,
     pub acceleration: Vec<f64>,
@@ -226,6 +228,7 @@ impl Room {
             second: room(d),
             moment_before: room(branches),
             pace: 0.0,
+            largest: room(d),
             speed: room(pins),
             acceleration: room(pins),
             torque: Vec::with_capacity(branches),
