@@ -317,8 +317,10 @@ impl Network {
         room.kick.clear();
         room.kick.resize(self.rotation.branches.len(), 0.0);
         room.pace = 0.0;
-        copy(&mut room.largest, &room.d);
-        room.largest.iter_mut().for_each(|size| *size = size.abs());
+        room.largest.resize(room.d.len(), 0.0);
+        for cell in separate.members.iter().flat_map(|i| self.seats[*i].x.clone()) {
+            room.largest[cell] = room.d[cell].abs();
+        }
         let mut t = c.t;
         self.expect(separate, 0.0, c, w, room);
         self.circuit(separate.island, &Context { t, d: &room.d, u: &room.u, ..*c }, w)?;
@@ -349,7 +351,7 @@ impl Network {
         w: &mut Work,
         room: &mut Room,
     ) -> Result<(), Faulty> {
-        let fine = if room.tries { 2.0 } else { 1.0 };
+        let fine = fineness(room);
         let wanted = |left: f64, pace: f64| fine * (left * pace / FAST).ceil();
         let mut steps = (fine * steps).max(wanted(way.end - way.start, room.pace));
         let (mut begin, mut done) = (way.start, 0.0);
@@ -357,7 +359,7 @@ impl Network {
         self.average(separate, 0.5 * h, w, room);
         while done < steps {
             let from = begin + done * h;
-            if let Some(pace) = self.runge_kutta(separate, from, h, FAST / fine, c, w, room)? {
+            if let Some(pace) = self.runge_kutta(separate, from, h, c, w, room)? {
                 room.pace = room.pace.max(pace);
                 let left = way.end - from;
                 steps = wanted(left, pace).max(steps - done + 1.0);
@@ -410,9 +412,10 @@ impl Network {
             if size == 0.0 {
                 continue;
             }
+            let share = 1.0 / size;
             for i in own {
-                bend += ((room.second[i] - room.first[i]) / size).powi(2);
-                turn += ((room.slope[i] - room.second[i]) / size).powi(2);
+                bend += (share * (room.second[i] - room.first[i])).powi(2);
+                turn += (share * (room.slope[i] - room.second[i])).powi(2);
             }
         }
         let moved = 0.5 * h * bend.sqrt();
@@ -469,13 +472,12 @@ impl Network {
     }
 
     /// One step of the classical method of order four; torques are averaged with the weights of Simpson's rule, which
-    /// are its own. Where the circuit changes by more than the part `most` of itself, all is left as it was; returned is how fast it is then.
+    /// are its own. Where the circuit is too fast for the step all is left as it was; returned is how fast it is then.
     fn runge_kutta(
         &self,
         separate: &Separate,
         t: f64,
         h: f64,
-        most: f64,
         c: &Context,
         w: &mut Work,
         room: &mut Room,
@@ -508,7 +510,7 @@ impl Network {
                 1 => copy(&mut room.second, &room.slope),
                 2 => {
                     let pace = self.pace(separate, h, room);
-                    if pace * h > most {
+                    if pace * h > FAST / fineness(room) {
                         let cells = states().flatten();
                         cells.zip(&room.start).for_each(|(cell, start)| room.d[cell] = *start);
                         copy(&mut room.moment, &room.moment_before);
@@ -579,6 +581,11 @@ impl Network {
         }
         Ok(())
     }
+}
+
+/// How many times as many steps of the integrator a trial has.
+fn fineness(room: &Room) -> f64 {
+    if room.tries { 2.0 } else { 1.0 }
 }
 
 /// Whether a coupling step of this number is one of those that are tried for their error.
