@@ -120,3 +120,34 @@ fn a_jump_back_is_seen_by_who_waits_for_its_direction() {
         }
     }
 }
+
+/// The same where the jump back is set off by a state, at a time that nobody knows before.
+#[test]
+fn a_jump_back_that_a_state_sets_off_is_seen_as_well() {
+    for solver in
+        ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "RosW3", "Ode23t", "Ode23tb"]
+    {
+        for late in [1e-4, 0.02, 0.1, 0.7] {
+            for (sign, edge) in [(1.0, "Rising"), (-1.0, "Falling")] {
+                let run = run_text(&format!(
+                    r#"Diagram(simulation: (stop_time: "30 s", solver: {solver}), blocks: {{
+                        "one": Constant(value: 1), "rate": Constant(value: {}), "z": Integrator, "x": Integrator(x0: {}, reset: Rising),
+                        "back": Compare(operator: GreaterEqual, constant: {}),
+                        "counter": Counter(edge: {edge}), "hits": HitCrossing(direction: {edge}), "s": Scope(inputs: ["counter", "hits", "x"]) }},
+                      connections: ["one.y -> z.u", "rate.y -> x.u", "z.y -> back.u", "back.y -> x.reset", "x.y -> counter.u, hits.u, s.x",
+                        "counter.count -> s.counter", "hits.count -> s.hits"])"#,
+                    -sign,
+                    20.0 * sign,
+                    20.0 + late,
+                ));
+                let last = |name: &str| run.column(name).last().copied().unwrap_or(f64::NAN);
+                assert_eq!((last("s.counter"), last("s.hits")), (1.0, 1.0), "{solver} {late} {edge}");
+                assert!(
+                    (last("s.x") - sign * (10.0 + late)).abs() < 1e-6,
+                    "{solver} {late}: {}",
+                    last("s.x")
+                );
+            }
+        }
+    }
+}

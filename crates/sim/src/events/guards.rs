@@ -183,6 +183,20 @@ impl Guards {
         }
     }
 
+    /// Whether a guard that waits for one direction has crossed the other way by the trial point; one that has just fired comes back, and
+    /// is looked at by itself.
+    pub fn has_crossed_back(&self) -> bool {
+        let crossed = first_loud(&self.start, &self.trial, |i| {
+            let (start, trial, events) = (self.start[i], self.trial[i], self.events[i]);
+            matches!(events, Crossing::Rising | Crossing::Falling)
+                && !self.left[i]
+                && start != 0.0
+                && Crossing::Either.happens(start, trial)
+                && !events.happens(start, trial)
+        });
+        crossed.is_some()
+    }
+
     /// Whether guard `i`, which has fired, has done so in the direction that it waits for.
     pub fn is_awaited(&self, i: usize) -> bool {
         match self.events[i] {

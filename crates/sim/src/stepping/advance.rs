@@ -127,7 +127,13 @@ impl Simulation {
             self.guards.jumps = self.t >= limit;
             cut = self.crossing(t0)?;
         }
-        let cut = self.confirm(t0, cut)?;
+        let mut cut = self.confirm(t0, cut)?;
+        // What happens at the cut may set signals back that have crossed the other way before.
+        if cut.is_some_and(|cut| cut.crossed) && !self.guards.jumps && self.guards.has_crossed_back() {
+            self.guards.jumps = true;
+            cut = self.crossing(t0)?;
+            cut = self.confirm(t0, cut)?;
+        }
         let stride = Stride { t0, t1: self.t, stepper: self.stepper.as_deref() };
         if let Some(audit) = &mut self.audit
             && !self.guards.is_empty()
