@@ -45,12 +45,15 @@ const FIRST_PARTS: f64 = 16.0;
 const INSTANT: f64 = 1e-9;
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// By what part of itself the fastest part of a circuit may change in a step of the integrator; beyond 2.8 the steps would be unstable.
+/// By what part of itself the fastest part of a circuit may change in a step of the integrator, at most and at least; beyond 2.8 the steps
+/// would be unstable. What swings loses a part of the fourth power of that over this in a radian.
 const FAST: f64 = 1.0;
+const FINE: f64 = 0.05;
+const OF_FOURTH: f64 = 120.0;
 /// Changes of states within a step below this part of them say nothing of how fast they are.
 const SLIGHT: f64 = 1e-9;
 /// Steps of the integrator from edge to edge, at most.
-const MOST_STEPS: f64 = 1e4;
+const MOST_STEPS: f64 = 1e5;
 
 /// Every so many coupling steps the error is estimated, and in the first ones always, where a drive starts.
 const EVERY: f64 = 16.0;
@@ -351,8 +354,8 @@ impl Network {
         w: &mut Work,
         room: &mut Room,
     ) -> Result<(), Faulty> {
-        let fine = fineness(room);
-        let wanted = |left: f64, pace: f64| fine * (left * pace / FAST).ceil();
+        let (fine, most) = (fineness(room), self.most_change(separate, room));
+        let wanted = |left: f64, pace: f64| (left * pace / most).ceil();
         let mut steps = (fine * steps).max(wanted(way.end - way.start, room.pace));
         let (mut begin, mut done) = (way.start, 0.0);
         let mut h = (way.end - begin) / steps;
@@ -385,6 +388,13 @@ impl Network {
             self.average(separate, if done == steps { 0.5 * h } else { h }, w, room);
         }
         Ok(())
+    }
+
+    /// By what part of itself the circuit may change in a step, so that what swings keeps the tolerance of the run.
+    fn most_change(&self, separate: &Separate, room: &Room) -> f64 {
+        let rtol = room.d[separate.cells().rtol];
+        let kept = if rtol > 0.0 { (OF_FOURTH * rtol).sqrt().sqrt().clamp(FINE, FAST) } else { FAST };
+        kept / fineness(room)
     }
 
     fn too_fast(&self, separate: &Separate, t: f64, pace: f64) -> String {
@@ -510,7 +520,7 @@ impl Network {
                 1 => copy(&mut room.second, &room.slope),
                 2 => {
                     let pace = self.pace(separate, h, room);
-                    if pace * h > FAST / fineness(room) {
+                    if pace * h > self.most_change(separate, room) {
                         let cells = states().flatten();
                         cells.zip(&room.start).for_each(|(cell, start)| room.d[cell] = *start);
                         copy(&mut room.moment, &room.moment_before);
