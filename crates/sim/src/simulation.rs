@@ -314,7 +314,6 @@ impl Simulation {
     pub(crate) fn next_stop(&mut self, end: f64) -> Result<Stop, SimError> {
         self.diagram
             .next_events(&mut self.event_times)
-            .and_then(|()| self.diagram.pending_events(&mut self.pending_times))
             .map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))?;
         if let Some(i) = self.event_times.iter().position(|&next| next.is_nan() || next <= self.t) {
             return Err(self.event_in_the_past(self.diagram.plan.timed[i], self.event_times[i]));
@@ -327,7 +326,15 @@ impl Simulation {
             let next = self.diagram.next_update();
             self.held(next)?
         };
-        Ok(Stop::first(self, end))
+        let mut stop = Stop::first(self, end);
+        if !self.pending_times.is_empty() {
+            // What is pending may be far behind the present: it is asked for about the stop.
+            let before = stop.t - self.resolution.same(stop.t);
+            let asked = self.diagram.pending_events(before, &mut self.pending_times);
+            asked.map_err(|_| diagnose::failed(&self.schedule, &mut self.diagram))?;
+            stop = stop.at_pending(self);
+        }
+        Ok(stop)
     }
 
     fn event_in_the_past(&self, block: usize, next: f64) -> SimError {

@@ -776,3 +776,27 @@ fn a_trigger_that_jumps_back_across_zero_is_seen() {
         }
     }
 }
+
+/// The same where nothing makes steps between the edges of the source within: a step passes several of them on its way to the trigger.
+#[test]
+fn an_instant_that_coincides_behind_many_others_does_so_as_well() {
+    let sub = r#"Diagram(outputs: { "y": "p.y" }, blocks: { "p": Pulse(period: "0.2 s", width: 0.5, delay: "0.1 s") })"#;
+    for parameter in ["trigger: Rising", "enable: Held"] {
+        for k in 1..60 {
+            let port = parameter.split(':').next().unwrap_or_default();
+            let model = format!(
+                r#"Diagram(simulation: (stop_time: "6.5 s"), blocks: {{
+                    "go": Step(time: "{} s"), "s": Subsystem(file: "sub.ron", {parameter}), "z": ZeroOrderHold(ts: "{} s"),
+                    "show": Scope(inputs: ["y"]) }},
+                  connections: ["go.y -> s.{port}", "s.y -> z.u", "z.y -> show.y"])"#,
+                f64::from(k) / 10.0,
+                f64::from(k) / 10.0,
+            );
+            let run = run(&[("model.ron", &model), ("sub.ron", sub)]);
+            let at = f64::from(k) / 10.0;
+            let found =
+                run.column("show.y").into_iter().rfind(|(t, _)| (t - at).abs() < 1e-6).expect("a row").1;
+            assert_eq!(found, f64::from(k % 2), "{parameter} at {at} s");
+        }
+    }
+}

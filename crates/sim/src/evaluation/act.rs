@@ -112,13 +112,14 @@ impl Diagram {
         Ok(())
     }
 
-    /// The next time of each block in `Plan::pending`.
-    pub fn pending_events(&mut self, times: &mut [f64]) -> Result<(), Failed> {
+    /// The next time behind `t` of each block in `Plan::pending`.
+    pub fn pending_events(&mut self, t: f64, times: &mut [f64]) -> Result<(), Failed> {
         for (i, time) in times.iter_mut().enumerate() {
             let block = self.plan.pending[i];
             let Self { plan, now, signals, d, .. } = self;
             let unit = &plan.units[block];
-            *time = unit.block.pending_event(&now.context(unit, signals, &d[unit.d.range()]));
+            let here = Context { t, ..now.context(unit, signals, &d[unit.d.range()]) };
+            *time = unit.block.pending_event(&here);
             self.checked(block)?;
         }
         Ok(())

@@ -29,8 +29,6 @@ impl Stop {
         let times = sim.hits.times().iter().chain(&sim.event_times).copied();
         // What is due at the end may lie behind it by rounding: an edge at 3 * 1.1 s belongs to a run of 3.3 s.
         let t = earliest(times.chain([end, step, sim.past.kink, sim.next_update]), sim.resolution);
-        // A block may begin to run at the instant at which it changes, which is the later one of both.
-        let t = at_pending(t, &sim.pending_times, sim.resolution);
         let is_due = |time: f64| time <= t + sim.resolution.same(t);
         Self {
             t,
@@ -38,6 +36,11 @@ impl Stop {
             kink: is_due(sim.past.kink) || is_due(sim.next_update),
             end: t >= end,
         }
+    }
+
+    /// The same where a block may begin to run at the instant at which it changes, which is the later one of both.
+    pub fn at_pending(self, sim: &Simulation) -> Self {
+        Self { t: at_pending(self.t, &sim.pending_times, sim.resolution), ..self }
     }
 }
 
