@@ -501,12 +501,6 @@ impl Interface {
         self
     }
 
-    /// Has `pending_event`.
-    pub fn pending_events(mut self) -> Self {
-        self.pending_events = true;
-        self
-    }
-
     /// Has `next_event`, and holds the times for which it waits in discrete states.
     pub fn waits(mut self) -> Self {
         (self.time_events, self.waits) = (true, true);

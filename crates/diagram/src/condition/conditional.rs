@@ -245,6 +245,8 @@ impl Block for Conditional {
                 interface.jump_phrase = JumpPhrase("");
             }
         }
+        // A time of its own stands still, so that nothing is pending at any time of the others.
+        interface.pending_events = interface.time_events && !self.own_time;
         if self.triggered {
             interface.discrete.push(Discrete::new("updated", -1.0));
             // Updates come with the trigger, and there is no time in between that anything could be watched in.
@@ -253,15 +255,11 @@ impl Block for Conditional {
                 interface.subdivides = true;
             }
             interface.guards.clear();
-            interface.pending_events = interface.time_events;
             interface.time_events = false;
             interface.period = None;
             interface.turning_inputs.clear();
         }
-        interface.pending_events |= interface.time_events;
         if self.own_time {
-            // Its time stands still, so that nothing is pending at any time of the others.
-            interface.pending_events = false;
             interface.settles = true;
             interface.settling = interface.settling.map(|_| (0..interface.groups.len()).collect());
             interface = interface.discrete("behind", 0.0).discrete("stopped", RUNNING);

@@ -183,13 +183,11 @@ impl Guards {
         }
     }
 
-    /// Whether a guard that waits for one direction has crossed the other way by the trial point; one that has just fired comes back, and
-    /// is looked at by itself.
+    /// Whether a guard that waits for one direction has crossed the other way by the trial point.
     pub fn has_crossed_back(&self) -> bool {
         let crossed = first_loud(&self.start, &self.trial, |i| {
             let (start, trial, events) = (self.start[i], self.trial[i], self.events[i]);
             matches!(events, Crossing::Rising | Crossing::Falling)
-                && !self.left[i]
                 && start != 0.0
                 && Crossing::Either.happens(start, trial)
                 && !events.happens(start, trial)
