@@ -189,6 +189,15 @@ impl Run {
         *self.column(path).last().expect("a recorded value")
     }
 
+    /// The value of a column in the last row of a time: behind what happens then.
+    ///
+    /// # Panics
+    /// Panics when there is no such column, or no row at that time.
+    pub fn behind(&self, path: &str, t: f64) -> f64 {
+        let row = self.time.iter().rposition(|other| (other - t).abs() < 1e-9);
+        self.column(path)[row.unwrap_or_else(|| panic!("no row at {t} s"))]
+    }
+
     /// The value of a column at a time, by linear interpolation.
     ///
     /// # Panics
@@ -201,6 +210,10 @@ impl Run {
         column[after - 1] + share * (column[after] - column[after - 1])
     }
 }
+
+/// All methods of variable step.
+pub const METHODS: [&str; 10] =
+    ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "Ode23tb", "Ode23t", "RosW3"];
 
 /// Runs a compiled diagram to its end.
 ///

@@ -1,6 +1,6 @@
 //! Parts whose current follows from their voltage by a law of their own, against closed forms.
 
-use blocksim_tests::{Run, compile_text, run, run_text};
+use blocksim_tests::{METHODS, Run, compile_text, run, run_text};
 
 /// Voltage over which the current of the diode of the tests grows by e, V: `k T / q` at 300 K.
 const SCALE: f64 = 1.380_649e-23 * 300.0 / 1.602_176_634e-19;
@@ -296,9 +296,6 @@ fn a_diode_that_begins_to_conduct_is_seen_by_all_stiff_methods() {
     }
 }
 
-const ALL: [&str; 10] =
-    ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "RosW3", "Ode23t", "Ode23tb"];
-
 /// Nothing depends on the source while the diode blocks, so errors ask for no short steps; it conducts for a tenth of the longest step that a
 /// source allows. References: backward Euler with a bisection for the junction, of two step sizes, extrapolated.
 #[test]
@@ -318,7 +315,7 @@ fn a_rectifier_charges_its_capacitor_with_every_method() {
     };
     for (r, c, r_s) in [(1e3, 1e-3, 0.2), (200.0, 4.7e-3, 0.05), (1e4, 1e-4, 0.05), (200.0, 1e-3, 0.2)] {
         let expected = reference(r, c, r_s);
-        for method in ALL {
+        for method in METHODS {
             let run = circuit(
                 &format!(r#"stop_time: "0.1 s", solver: {method}(rtol: 1e-6)"#),
                 &format!(
@@ -351,7 +348,7 @@ fn a_varistor_charges_a_capacitor_with_the_peaks_of_a_source() {
         })
     };
     let expected = 2.0 * end(40_000) - end(20_000);
-    for method in ALL {
+    for method in METHODS {
         let run = circuit(
             &format!(r#"stop_time: "45 ms", solver: {method}(rtol: 1e-6)"#),
             r#""e": AcVoltageSource(amplitude: Peak("325 V"), frequency: "50 Hz"), "z": Varistor(v_1: "200 V"), "r": Resistor(r: "50 ohm"),

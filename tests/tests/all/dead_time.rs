@@ -1,10 +1,7 @@
 //! Dead time in loops against the method of steps and the roots of their characteristic equations, with the default
 //! tolerance of each method.
 
-use blocksim_tests::{Run, compile_text, run_text};
-
-const METHODS: [&str; 10] =
-    ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "Ode23tb", "Ode23t", "RosW3"];
+use blocksim_tests::{METHODS, Run, compile_text, run_text};
 
 /// x' = -k x(t - 1) from x = 1, with nothing before the start.
 fn integrator_with_dead_time(simulation: &str, k: f64) -> Run {

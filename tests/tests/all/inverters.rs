@@ -114,11 +114,9 @@ fn separate_is_as_together(sampling: &str) {
     let together = run_text(&at_fixed_speed(&inverter("Together"), SPEED, "40 ms"));
     let separate = run_text(&at_fixed_speed(&inverter("Separate(periods: 1)"), SPEED, "40 ms"));
     // Rows at the beginnings of coupling steps, which are those of the carrier.
-    let row = |run: &Run, t: f64| run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row");
     for k in 1..200 {
         let t = f64::from(k) * 2e-4;
-        let (a, b) =
-            (together.column("s.torque")[row(&together, t)], separate.column("s.torque")[row(&separate, t)]);
+        let (a, b) = (together.behind("s.torque", t), separate.behind("s.torque", t));
         assert!((a - b).abs() < 1e-5, "{a} != {b} at {t}");
     }
 }
@@ -157,11 +155,7 @@ fn parts_of_a_separate_circuit_show_the_currents_and_fluxes_of_the_instant() {
     let together = run_text(&text("Together"));
     for periods in [1, 4] {
         let run = run_text(&text(&format!("Separate(periods: {periods})")));
-        // Rows before events at one time are left out.
-        let at = |run: &Run, name: &str, t: f64| {
-            let row = run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row");
-            run.column(&format!("s.{name}"))[row]
-        };
+        let at = |run: &Run, name: &str, t: f64| run.behind(&format!("s.{name}"), t);
         for t in (1..10).map(|k| 8e-3 * f64::from(k)) {
             let of = |name: &str| at(&run, name, t);
             for (part, sensor) in [("winding", "cw"), ("flux", "fs"), ("switch", "l")] {
@@ -221,16 +215,12 @@ fn what_is_fast_in_a_separate_circuit_is_integrated_in_short_steps() {
         let together = run_text(&text("Together", g));
         for periods in [1, 4] {
             let run = run_text(&text(&format!("Separate(periods: {periods})"), g));
-            let at = |run: &Run, name: &str, t: f64| {
-                let row = run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row");
-                run.column(name)[row]
-            };
             // The speed is right, and no current that outlasts a step is off.
             assert!(run.warnings.is_empty(), "{g} {periods}: {:?}", run.warnings);
             let size = together.column("s.i").iter().fold(0.0_f64, |most, i| most.max(i.abs()));
             for t in (1..5).map(|k| 8e-3 * f64::from(k)) {
                 let [(i, i_0), (w, w_0)] =
-                    ["s.i", "s.w"].map(|name| (at(&run, name, t), at(&together, name, t)));
+                    ["s.i", "s.w"].map(|name| (run.behind(name, t), together.behind(name, t)));
                 assert!((i - i_0).abs() < 2e-3 * size, "{g} {periods} at {t} s: {i} A, not {i_0} A");
                 assert!((w - w_0).abs() < 1e-4, "{g} {periods} at {t} s: {w} rad/s, not {w_0} rad/s");
             }
@@ -264,15 +254,8 @@ fn a_filter_in_a_separate_circuit_swings_as_in_one_with_the_solver() {
     for periods in [1, 2] {
         let run = run_text(&text(&format!("Separate(periods: {periods})")));
         for t in (1..10).map(|k| 2e-3 * f64::from(k)) {
-            let at = |run: &Run| {
-                run.column("s.i")[run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row")]
-            };
-            assert!(
-                (at(&run) - at(&together)).abs() < 1e-4 * size,
-                "{periods} at {t} s: {} {}",
-                at(&run),
-                at(&together)
-            );
+            let (i, expected) = (run.behind("s.i", t), together.behind("s.i", t));
+            assert!((i - expected).abs() < 1e-4 * size, "{periods} at {t} s: {i} A, not {expected} A");
         }
     }
 }
@@ -372,10 +355,7 @@ fn a_light_rotor_runs_up_as_it_does_together_with_its_circuit() {
     let size = runs[0].column("s.w").iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     for ms in 1..=32 {
         let t = 1e-3 * f64::from(ms);
-        let [together, separate] = [0, 1].map(|k: usize| {
-            let run = &runs[k];
-            run.column("s.w")[run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row")]
-        });
+        let [together, separate] = [0, 1].map(|k: usize| runs[k].behind("s.w", t));
         assert!((together - separate).abs() < 0.03 * size, "{separate} != {together} at {t}");
     }
 }
@@ -421,10 +401,7 @@ fn coupling_errors(load: &str, carrier: &str, periods: [u32; 3]) -> [f64; 3] {
         let text = text.replace(TIGHT, solver.unwrap_or(TIGHT));
         run_text(&text.replace("connections: [", &format!("connections: [{wired}")))
     };
-    let speed = |run: &Run, ms: f64| {
-        let row = run.time.iter().rposition(|t| (t - 1e-3 * ms).abs() < 1e-9).expect("a row");
-        run.column("s.w")[row]
-    };
+    let speed = |run: &Run, ms: f64| run.behind("s.w", 1e-3 * ms);
     let exact = run("Together", None);
     periods.map(|periods| {
         let run = run(&format!("Separate(periods: {periods})"), Some("Ode4(step: \"25 us\")"));
@@ -491,10 +468,7 @@ pub(crate) fn light_servo(solver: &str) -> String {
 /// Largest difference of the speed of two runs at every millisecond, over the greatest speed.
 fn speeds_apart(run: &Run, exact: &Run) -> f64 {
     let most = exact.column("s.w").iter().fold(0.0_f64, |most, w| most.max(w.abs()));
-    let speed = |run: &Run, ms: i32| {
-        let t = 1e-3 * f64::from(ms);
-        run.column("s.w")[run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row")]
-    };
+    let speed = |run: &Run, ms: i32| run.behind("s.w", 1e-3 * f64::from(ms));
     (1..=32).map(|ms| (speed(run, ms) - speed(exact, ms)).abs()).fold(0.0, f64::max) / most
 }
 
@@ -642,11 +616,8 @@ fn inputs_move_within_a_coupling_step() {
             let run = run_text(&moving_text(frequency, &format!("Separate(periods: {periods})"), "1e-6"));
             for (signal, allowed) in [("s.w", allowed), ("s.torque", 10.0 * allowed)] {
                 let size = exact.column(signal).iter().fold(0.0_f64, |most, y| most.max(y.abs()));
-                let at = |run: &Run, t: f64| {
-                    run.column(signal)
-                        [run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row")]
-                };
-                let off = |k: i32| (at(&run, 2e-3 * f64::from(k)) - at(&exact, 2e-3 * f64::from(k))).abs();
+                let at = |run: &Run, k: i32| run.behind(signal, 2e-3 * f64::from(k));
+                let off = |k: i32| (at(&run, k) - at(&exact, k)).abs();
                 let off = (0..=100).map(off).fold(0.0, f64::max) / size;
                 assert!(off < allowed, "{frequency:?}, {periods} periods: {signal} is off by {off:.1e}");
             }
@@ -667,11 +638,7 @@ fn contacts_change_within_a_coupling_step() {
                     "inverter.ac <-> contacts.ac1\", \"contacts.ac2 <-> machine.ac",
                 );
         let run = run_text(&text);
-        let at = |k: i32| {
-            let t = 2e-3 * f64::from(k);
-            run.column("s.w")[run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row")]
-        };
-        (0..=100).map(at).collect::<Vec<f64>>()
+        (0..=100).map(|k| run.behind("s.w", 2e-3 * f64::from(k))).collect::<Vec<f64>>()
     };
     let exact = speeds("Together", "1e-9");
     let size = exact.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
@@ -755,10 +722,7 @@ fn a_shaft_that_is_struck_changes_its_speed_within_a_coupling_step() {
 )"#
         )
     };
-    let at = |run: &Run| -> Vec<f64> {
-        let row = |t: f64| run.time.iter().rposition(|other| (other - t).abs() < 1e-9).expect("a row");
-        (0..=150).map(|k| run.column("s.w")[row(2e-3 * f64::from(k))]).collect()
-    };
+    let at = |run: &Run| -> Vec<f64> { (0..=150).map(|k| run.behind("s.w", 2e-3 * f64::from(k))).collect() };
     for inputs in [
         r#""v": Ramp(slope: "450 V/s", initial: "15 V"), "f": Ramp(slope: "200 Hz/s"),"#,
         // Inputs that never move, of which nobody is told at the ends of steps.

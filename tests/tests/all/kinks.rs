@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use blocksim_tests::{Run, run_text};
+use blocksim_tests::{METHODS, Run, run_text};
 
 /// The integral over 1.28 s of a block behind a sine of 5.98 Hz.
 fn integral(solver: &str, block: &str) -> Run {
@@ -195,9 +195,6 @@ fn stepped(law: impl Fn(f64, f64, f64) -> f64) -> f64 {
     }
     sum
 }
-
-const METHODS: [&str; 10] =
-    ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "Ode23tb", "Ode23t", "RosW3"];
 
 /// A step that an event cuts has looked beyond the next kink, and where it is cut its dense output is bent by what it saw there: a
 /// narrow peak between two breakpoints of the table lost a thirteenth of its area at 1e-3, the same in each period.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use blocksim_block::schedule::{FixedMethod, Schedule, Solver};
 use blocksim_sim::{Control, Counts, Ended, Observer, Simulation};
-use blocksim_tests::{compile_file, compile_text, diagrams_below, root};
+use blocksim_tests::{METHODS, compile_file, compile_text, diagrams_below, root};
 
 /// Keeps all rows, and interrupts the run at the first step at or behind a time.
 #[derive(Default)]
@@ -102,9 +102,7 @@ fn the_states_of_a_transfer_function_are_kept() {
 /// With a grid of rows nobody has to look at the steps between them: who wants to change something is heard at the same step all the same.
 #[test]
 fn a_change_comes_at_the_first_step_that_reaches_it_with_rows_on_a_grid_as_well() {
-    for solver in
-        ["Ode45", "Auto", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "RosW3", "Ode23t", "Ode23tb"]
-    {
+    for solver in METHODS {
         let text = |k: f64, output: &str| {
             format!(
                 r#"Diagram(simulation: (stop_time: "10 s", solver: {solver}(rtol: 1e-7){output}), blocks: {{

@@ -9,8 +9,7 @@ use blocksim_tests::random::{Branch, Circuit, Finding, Kind, Puzzle, Source, Val
 use blocksim_tests::{Run, compile_text, run};
 
 /// Methods that look for events.
-pub const METHODS: [&str; 10] =
-    ["Auto", "Ode45", "Ode23", "Dop853", "Ode15s", "Radau5", "Rodas4", "Ode23tb", "Ode23t", "RosW3"];
+pub use blocksim_tests::METHODS;
 
 /// Runs a diagram to its end, or says why it does not.
 pub fn try_run(text: &str) -> Result<Run, String> {
