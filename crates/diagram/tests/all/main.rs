@@ -1,6 +1,7 @@
 //! The examples run, and what they print is right; conditional subsystems; blocks that are written alike.
 
 mod alike;
+mod coinciding;
 mod conditional;
 mod conditional_kinds;
 mod merges;
