@@ -112,7 +112,7 @@ impl Reading {
     fn holds(&self, content: &Content) -> bool {
         match (content, &self.value) {
             (Content::Expression(written), Some(Value::Text(text, _))) => text.trim() == written.trim(),
-            // A text such as `1,5` is no number in a set, but is one in a cell.
+            // With a decimal comma, `1,5` is a text in a set and a number in a cell.
             (Content::Expression(written), Some(Value::Number(number))) => {
                 numeral::read(written).is_ok_and(|written| same(written, *number))
             }

@@ -15,11 +15,12 @@ const CHARGE: f64 = 1.602_176_634e-19;
 ///
 /// $$ i = i_s \left(e^{v_j / (n v_T)} - 1\right) + g v_j, \qquad v_T = \frac{k T}{q}, \qquad v = v_j + r_s i $$
 ///
-/// It does not switch and has no events; steps end where its current passes every third power of ten or so above $i_s$, since a
-/// pulse of current between two looks at a source would be missed. For power electronics, where only the forward voltage counts, `Diode` is faster.
-/// There is no junction capacitance and no breakdown; connect a `Capacitor` or a `Varistor` in parallel. In series with a coil the diode needs
-/// one, or a larger leakage such as `g: "1 uS"`: else the current of the coil decides about the voltage while the diode blocks, by so much that
-/// steps become tiny.
+/// It does not switch and has no events; steps end where its current passes $e^8 i_s$, $e^{16} i_s$ and so on, since a pulse of current
+/// between two looks at a source would be missed. For power electronics, where only the forward voltage counts, `Diode` is faster.
+///
+/// There is no junction capacitance and no breakdown; connect a `Capacitor` or a `Varistor` in parallel. In series with a coil the diode
+/// needs one of them, or a larger leakage such as `g: "1 uS"`. Without, the current of the coil alone fixes the voltage of a diode that
+/// blocks, and steps become tiny.
 ///
 /// ```ron
 /// ExponentialDiode(i_s: "4 nA", n: 1.9, r_s: "50 mOhm")
@@ -44,8 +45,8 @@ pub struct ExponentialDiode {
     pub g: f64,
 }
 
-/// Where steps end: voltages of the junction in multiples of the one over which the current grows by e. From one to the next the current grows
-/// by a few thousand, so that a pulse from one is seen before it is much larger.
+/// Where steps end: voltages of the junction, in multiples of the one over which the current grows by e. From one to the next the current
+/// grows by a few thousand, so that a pulse beyond one is seen before it is much larger.
 const BENDS: [f64; 5] = [8.0, 16.0, 24.0, 32.0, 40.0];
 
 impl ExponentialDiode {

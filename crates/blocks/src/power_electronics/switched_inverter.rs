@@ -29,10 +29,11 @@ use crate::machines::space_vector::turned;
 /// to 64 parts, whose torques follow the ripple. What remains beyond the tolerance is estimated in a warning at the end of the run, which
 /// knows nothing of kinks of inputs; and where a shaft does not move at all as its circuit has expected, the run ends with an
 /// error, as it does where something in the circuit is thousands of times faster than the carrier.
-/// Diodes, and breakers that open at zero current, cannot belong to such a circuit. Methods of fixed step do not divide. What needs voltages (powers, RMS voltages, slip,
-/// `v_legs`) is measured on the means over whole coupling steps, a step late; currents, fluxes and states are those at the beginning of a
-/// step or a part. A mean over a part of a turn of the field is shorter than the field (by 2 % for 2 ms at 55 Hz, and powers, which are products of
-/// such means, by 4 %), and without the power of the ripple: for energies write `periods: 1`, or `Together`.
+/// Diodes, and breakers that open at zero current, cannot belong to such a circuit. Methods of fixed step do not divide. What needs
+/// voltages (powers, RMS voltages, slip, `v_legs`) is measured on the means over whole coupling steps, a step late; currents, fluxes and
+/// states are those at the beginning of a step or a part. A mean over a part of a turn of the field is shorter than the field (by 2 % for 2
+/// ms at 55 Hz, and powers, which are products of such means, by 4 %), and without the power of the ripple: for energies write `periods:
+/// 1`, or `Together`.
 ///
 /// Amplitudes beyond what the link and the modulation give are limited, as `limited` reports; a negative one turns the voltages
 /// by half a turn.

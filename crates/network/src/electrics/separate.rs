@@ -11,8 +11,8 @@
 //! valves, whose moment is an error of the angle of order two; the line of its own moment would put it into every reading of a
 //! torque. Between edges Runge-Kutta of order four is used, in steps that are short against what is fastest in the circuit.
 //!
-//! Inputs go on as they did in the last steps, see `inputs.rs`, and where they do not, see `repeat.rs`. Outputs that need voltages show means over the step, since an instant of a
-//! circuit that switches says little; readings of currents and states show its beginning.
+//! Inputs go on as they did in the last steps, see `inputs.rs`, and where they do not, see `repeat.rs`. Outputs that need voltages show
+//! means over the step, since an instant of a circuit that switches says little; currents, fluxes and states show its beginning.
 //!
 //! Where the speeds turn out to be others than were expected, coupling steps are too long; see `coupling.rs`. What that does to
 //! the torques is found by trial: a coupling step is integrated once more, with the speeds bent as the last two steps together say.
